@@ -1,0 +1,68 @@
+"""From a displacement field to a material: validate the configuration, then rules in data-flow order."""
+
+import re
+import sys
+from pathlib import Path
+
+from snakemake.utils import min_version
+
+from hypernode.config import ConfigError, load_config, slice_for
+from hypernode.workflow import (
+    code_params,
+    figure_inputs,
+    figure_runs,
+    method_settings,
+    present_cases,
+    specimen_files,
+    truth_input,
+)
+
+min_version("9.27")
+
+
+container: "docker://python:3.11"
+
+
+# A configuration given on the command line replaces the default one instead of being merged into
+# it: a smoke run must not run the paper's cases as well.
+CONFIG_FILE = [*workflow.overwrite_configfiles, workflow.source_path("config/config.yaml")][0]
+try:
+    CONFIG = load_config(CONFIG_FILE)
+except ConfigError as error:
+    sys.exit(f"The configuration cannot be used.\n{error}")
+
+CASES, LEFT_OUT = present_cases(CONFIG)
+for line in LEFT_OUT:
+    print(line, file=sys.stderr)
+SYNTHETIC = [name for name in CASES if CONFIG.cases[name].specimen is None]
+REAL = [name for name in CASES if CONFIG.cases[name].specimen is not None]
+RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].methods]
+FIGURES = figure_runs(CONFIG, CASES)
+CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
+
+
+wildcard_constraints:
+    case="|".join(map(re.escape, CASES)) or "none",
+    method="|".join(map(re.escape, CONFIG.methods)) or "none",
+    figure="|".join(map(re.escape, FIGURES)) or "none",
+
+
+localrules:
+    all,
+
+
+include: "workflow/rules/forward.smk"
+include: "workflow/rules/measurement.smk"
+include: "workflow/rules/interpolant.smk"
+include: "workflow/rules/inverse.smk"
+include: "workflow/rules/evaluation.smk"
+include: "workflow/rules/figures.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        [f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+        [f"results/figures/{figure}.{kind}" for figure in FIGURES for kind in ("pdf", "png")],
+        "results/tables/summary.csv",
+        "results/tables/summary.md",

@@ -1,0 +1,1 @@
+"""Importers of measured displacement fields, one vendor format a module."""

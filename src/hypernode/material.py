@@ -1,0 +1,145 @@
+"""The identified (or true) material of a sheet as three functions of position and deformation."""
+
+import json
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jaxtyping import Array, Float
+
+from hypernode.config import Frequencies
+from hypernode.mechanics.kinematics import Invariants, invariants
+from hypernode.mechanics.materials import energy_density, energy_derivatives
+from hypernode.mechanics.stress import first_piola_kirchhoff
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.networks.terms import INVARIANTS
+from hypernode.networks.weights import from_arrays, make_network
+from hypernode.storage.netcdf import StorageError, read, units_of
+
+#: Gauss-Legendre points of the integral that turns dPsi/dI into an energy.
+ENERGY_POINTS = 16
+
+
+def node_stress(
+    material: NodeMaterial, F: Float[Array, "2 2 ... point"], node_params: Float[Array, "size point"]
+) -> Float[Array, "2 2 ... point"]:
+    """P[i, J, ...] of a neural-ODE material (equation ``Node_constitutive_predicting``)."""
+    angle = material.fibre_angle(node_params)
+    return first_piola_kirchhoff(F, material.energy_derivatives(invariants(F, angle), node_params), angle)
+
+
+class Material:
+    """A heterogeneous hyperelastic sheet.
+
+    Attributes:
+        units: what ``stress`` and ``energy`` (per reference volume) and ``length`` mean.
+    """
+
+    def __init__(self, params_at, stress, energy, units: dict[str, str]):
+        self._params_at, self._stress, self._energy, self.units = params_at, stress, energy, units
+
+    @staticmethod
+    def _check(X, F):
+        X, F = jnp.asarray(X), jnp.asarray(F)
+        if X.ndim != 2 or X.shape[1] != 2 or F.shape != (len(X), 2, 2):
+            raise ValueError(f"X must be (n, 2) and F (n, 2, 2), not {X.shape} and {F.shape}")
+        return X, jnp.moveaxis(F, 0, -1)
+
+    def energy(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, " n"]:
+        """Energy density Psi(X, F), zero at F = I.
+
+        Args:
+            X: positions, in the length unit of the test.
+            F: in-plane deformation gradients.
+        """
+        X, F = self._check(X, F)
+        return self._energy(F, self._params_at(X))
+
+    def stress(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, "n 2 2"]:
+        """First Piola-Kirchhoff stress P[n, i, J]; arguments as in :meth:`energy`."""
+        X, F = self._check(X, F)
+        return jnp.moveaxis(self._stress(F, self._params_at(X)), -1, 0)
+
+    def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, "n 2 2 2 2"]:
+        """dP_iJ/dF_kL as [n, i, J, k, L]; arguments as in :meth:`energy`."""
+        X, F = self._check(X, F)
+        params = self._params_at(X)
+        columns = []
+        for k in range(2):
+            for L in range(2):
+                direction = jnp.zeros_like(F).at[k, L].set(1.0)
+                columns.append(jax.jvp(lambda F: self._stress(F, params), (F,), (direction,))[1])
+        stacked = jnp.stack(columns).reshape(2, 2, *columns[0].shape)
+        return jnp.moveaxis(stacked, (4, 2, 3, 0, 1), (0, 1, 2, 3, 4))
+
+
+def _closed_form(file: xr.Dataset) -> Material:
+    models = tuple(json.loads(file.attrs["models"]))
+    values = {v.split(".", 1)[1]: file[v].values for v in file if v.startswith("material.")}
+    centres = file["X"].values[file["cells"].values].mean(axis=1)
+
+    def params_at(X):
+        from scipy.spatial import cKDTree
+
+        cell = cKDTree(centres).query(np.asarray(X))[1]
+        return {key: jnp.asarray(value[cell]) for key, value in values.items()}
+
+    def stress(F, params):
+        angle = params.get("fibre_angle", jnp.zeros(()))
+        return first_piola_kirchhoff(F, energy_derivatives(models, invariants(F, angle), params), angle)
+
+    def energy(F, params):
+        return energy_density(models, invariants(F, params.get("fibre_angle", jnp.zeros(()))), params)
+
+    return Material(params_at, stress, energy, units_of(file))
+
+
+def parameter_field(file: xr.Dataset):
+    """(material, X -> node_params[size, point]) of a file that holds a hyper-network."""
+    material = NodeMaterial(**{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()})
+    settings = Frequencies.model_validate_json(file.attrs["hypernetwork"])
+    network = from_arrays(make_network(settings, 0, material.size, 0), file, "hypernetwork")
+    lower = jnp.asarray(file["corners"].values[0], jnp.float32)
+    length = float(file.attrs["length_scale"])
+    return material, lambda X: network((jnp.asarray(X, jnp.float32) - lower) / length).T
+
+
+def _node(file: xr.Dataset) -> Material:
+    material, params_at = parameter_field(file)
+    points, weights = np.polynomial.legendre.leggauss(ENERGY_POINTS)
+    points, weights = 0.5 * (points + 1.0), 0.5 * weights
+
+    def energy(F, node_params):
+        # Psi is a sum of functions of linear combinations of the invariants, so its integral along
+        # the straight line from the undeformed invariants is exact for any path.
+        I = invariants(F, material.fibre_angle(node_params))
+        reference = Invariants(**INVARIANTS)
+        total = 0.0
+        for s, w in zip(points, weights, strict=True):
+            between = Invariants(*(r + s * (v - r) for r, v in zip(reference, I, strict=True)))
+            slope = material.energy_derivatives(between, node_params)
+            total += w * sum(d * (v - r) for d, v, r in zip(slope, I, reference, strict=True))
+        return total
+
+    return Material(params_at, lambda F, p: node_stress(material, F, p), energy, units_of(file))
+
+
+_KINDS = {"closed_form": _closed_form, "node": _node}
+
+
+def load_material(path: str | Path) -> Material:
+    """The material field stored in a result file, identified or true.
+
+    Args:
+        path: ``material.nc`` of a run, or ``true_material.nc`` of a synthetic case.
+
+    Raises:
+        StorageError: the file is missing, damaged, or holds no material.
+    """
+    file = read(path)
+    kind = file.attrs.get("material_kind")
+    if kind not in _KINDS:
+        raise StorageError(f"{path}: holds no material; load material.nc of a run or true_material.nc of a case")
+    return _KINDS[kind](file)

@@ -1,0 +1,1 @@
+"""Mechanics of one material point: kinematics, materials, stress."""

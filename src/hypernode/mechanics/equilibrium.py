@@ -1,0 +1,141 @@
+"""Discrete equilibrium of a cell-wise stress field on a quadrilateral mesh.
+
+Stresses live at the cell centres, P[i, J, step, cell]. The nodal force of a hat function is then
+R_a = sum_c A_c P_c . dN_a/dX, which on a regular grid equals the central-difference divergence at
+the node times the cell area.
+"""
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+import scipy.sparse
+from jaxtyping import Array, Bool, Float
+
+from hypernode.mechanics.mesh import EDGES, Mesh
+
+EDGE_NAMES = tuple(EDGES)
+
+
+def nodal_force_matrices(mesh: Mesh) -> list[scipy.sparse.csr_matrix]:
+    """D_J with R_i = sum_J D_J P_iJ: nodal forces (node,) from cell stresses (cell,), J = X, Y."""
+    gradient = mesh.gradient_operator() * mesh.areas[:, None, None]
+    rows = mesh.cells.ravel()
+    columns = np.repeat(np.arange(len(mesh.cells)), 4)
+    shape = (len(mesh.nodes), len(mesh.cells))
+    return [scipy.sparse.csr_matrix((gradient[:, :, J].ravel(), (rows, columns)), shape) for J in range(2)]
+
+
+def stiffness_matrix(mesh: Mesh) -> scipy.sparse.csr_matrix:
+    """Integral of grad N_a . grad N_b, by 2 x 2 Gauss points of bilinear quadrilaterals."""
+    corner = mesh.nodes[mesh.cells]
+    g = 1.0 / np.sqrt(3.0)
+    total = np.zeros((len(mesh.cells), 4, 4))
+    sign = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+    for xi, eta in g * sign:
+        local = 0.25 * sign * np.stack([1 + eta * sign[:, 1], 1 + xi * sign[:, 0]], axis=1)
+        jacobian = np.einsum("cai,aj->cij", corner, local)
+        gradient = np.einsum("aj,cjJ->caJ", local, np.linalg.inv(jacobian))
+        total += np.einsum("caJ,cbJ,c->cab", gradient, gradient, np.linalg.det(jacobian))
+    rows = np.repeat(mesh.cells, 4, axis=1).ravel()
+    columns = np.tile(mesh.cells, (1, 4)).ravel()
+    n = len(mesh.nodes)
+    return scipy.sparse.csr_matrix((total.ravel(), (rows, columns)), (n, n))
+
+
+def _test_space(mesh: Mesh, component: int, constrained, measured):
+    """Columns of test functions for one displacement component, and the edge that is tied or None.
+
+    Nodes of a constrained edge move together where the edge's resultant is measured, and not at all
+    where it is not: their reactions are unknown. Of several measured edges the one with the larger
+    coordinate is used; overall balance then implies the other.
+    """
+    n = len(mesh.nodes)
+    number = np.full(n, -2)
+    tied = None
+    for index, edge in enumerate(EDGE_NAMES):
+        if constrained[index, component]:
+            number[mesh.on_edge(edge)] = -1
+            if measured[index, component]:
+                tied = edge
+    free = np.flatnonzero(number == -2)
+    number[free] = np.arange(len(free))
+    if tied is not None:
+        on = mesh.on_edge(tied)
+        for index, edge in enumerate(EDGE_NAMES):
+            if constrained[index, component] and edge != tied:
+                on &= ~mesh.on_edge(edge)
+        number[on] = len(free)
+    used = np.flatnonzero(number >= 0)
+    shape = (n, len(free) + (tied is not None))
+    return scipy.sparse.csr_matrix((np.ones(len(used)), (used, number[used])), shape), tied
+
+
+@dataclass(frozen=True)
+class EquilibriumGap:
+    """Distance of a stress field from the nearest one in equilibrium with the measured forces.
+
+    The residual of the virtual work, R = sum P : grad phi - f, is measured in the norm dual to the
+    energy of the test functions: gap^2 = R K^-1 R / (A |P_ave|^2) with K the Laplacian on the same
+    functions. That equals the relative L2 distance to the nearest statically admissible stress, and
+    weights the residual by the inverse covariance of the divergence of a white stress error, so
+    that equilibrium and resultants need no weights of their own.
+
+    Attributes:
+        whitened: maps[i][J] from cell stress to the whitened residual (test function, cell).
+        loads: whitened unit resultant per component (test function,), zero where none is measured.
+        tied: the edge whose resultant enters, per component, or None.
+        area: area of the sheet.
+    """
+
+    whitened: tuple
+    loads: tuple
+    tied: tuple
+    area: float
+
+    @classmethod
+    def build(
+        cls, mesh: Mesh, constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"]
+    ) -> "EquilibriumGap":
+        """Assemble for one test.
+
+        Args:
+            mesh: the measured grid.
+            constrained: whether each edge's displacement component is prescribed.
+            measured: whether the resultant of each edge and component is known.
+        """
+        D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
+        whitened, loads, tied = [], [], []
+        for component in range(2):
+            T, edge = _test_space(mesh, component, constrained, measured)
+            reduced = (T.T @ K @ T).toarray()
+            # A component that no edge holds can translate freely: its residual is balanced by
+            # construction, so any stiffness of the translation gives the same gap.
+            reduced += np.mean(np.diag(reduced)) / len(reduced) * float(not constrained[:, component].any())
+            factor = np.linalg.cholesky(reduced)
+            solve = np.linalg.inv(factor)
+            maps = [jnp.asarray(np.ascontiguousarray((T.T @ D[J]).T @ solve.T).T, jnp.float32) for J in range(2)]
+            whitened.append(tuple(maps))
+            unit = np.zeros(len(reduced))
+            if edge is not None:
+                unit[-1] = 1.0
+            loads.append(jnp.asarray(solve @ unit, jnp.float32))
+            tied.append(edge)
+        return cls(tuple(whitened), tuple(loads), tuple(tied), float(mesh.areas.sum()))
+
+    def residuals(
+        self, P: Float[Array, "2 2 step cell"], resultant: Float[Array, "step 2"], scale: Float[Array, " step"]
+    ) -> list[Float[Array, "test step"]]:
+        """Whitened residual of each component; the sum of their squares is the squared gap.
+
+        Args:
+            P: cell stresses.
+            resultant: force on the tied edge per component and unit thickness (any number where
+                nothing is tied).
+            scale: stress unit of each step.
+        """
+        found = []
+        for i in range(2):
+            R = sum(self.whitened[i][J] @ P[i, J].T for J in range(2))
+            found.append((R - self.loads[i][:, None] * resultant[:, i]) / (scale * self.area**0.5))
+        return found

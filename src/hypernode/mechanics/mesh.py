@@ -1,0 +1,85 @@
+"""Rectilinear meshes of bilinear quadrilaterals, with cells left out where there is no material."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+#: Edge name -> (axis of the outward normal, its sign).
+EDGES = {"left": (0, -1), "right": (0, 1), "bottom": (1, -1), "top": (1, 1)}
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Nodes, quadrilateral cells and the rectangle that bounds them.
+
+    Attributes:
+        nodes: coordinates (node, 2), in the length unit of the test.
+        cells: four node numbers a cell (cell, 4), counter-clockwise from the lower left corner.
+        lower, upper: corners of the bounding rectangle (2,).
+    """
+
+    nodes: Float[np.ndarray, "node 2"]
+    cells: Int[np.ndarray, "cell 4"]
+    lower: Float[np.ndarray, " 2"] = field(default=None)
+    upper: Float[np.ndarray, " 2"] = field(default=None)
+
+    def __post_init__(self):
+        if self.lower is None:
+            object.__setattr__(self, "lower", self.nodes.min(axis=0))
+            object.__setattr__(self, "upper", self.nodes.max(axis=0))
+
+    @property
+    def size(self) -> Float[np.ndarray, " 2"]:
+        """Side lengths of the bounding rectangle."""
+        return self.upper - self.lower
+
+    @property
+    def centres(self) -> Float[np.ndarray, "cell 2"]:
+        """Cell centres."""
+        return self.nodes[self.cells].mean(axis=1)
+
+    @property
+    def areas(self) -> Float[np.ndarray, " cell"]:
+        """Cell areas."""
+        corner = self.nodes[self.cells]
+        d1, d2 = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
+        return 0.5 * (d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0])
+
+    def on_edge(self, edge: str) -> Bool[np.ndarray, " node"]:
+        """Which nodes lie on an edge of the bounding rectangle."""
+        axis, sign = EDGES[edge]
+        position = self.upper[axis] if sign > 0 else self.lower[axis]
+        return np.abs(self.nodes[:, axis] - position) <= 1e-9 * self.size[axis]
+
+    def gradient_operator(self) -> Float[np.ndarray, "cell 4 2"]:
+        """dN_a/dX_J at the cell centres: multiply nodal values and sum over a to differentiate."""
+        corner = self.nodes[self.cells]
+        local = 0.25 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+        jacobian = np.einsum("cai,aj->cij", corner, local)
+        return np.einsum("aj,cjJ->caJ", local, np.linalg.inv(jacobian))
+
+
+def rectilinear(x: Float[np.ndarray, " nx"], y: Float[np.ndarray, " ny"], keep=None) -> Mesh:
+    """Mesh of the grid lines ``x`` and ``y``, nodes numbered with x fastest.
+
+    Args:
+        x, y: increasing grid coordinates.
+        keep: which cells hold material (ny - 1, nx - 1); all when left out. Nodes that no kept
+            cell touches are dropped.
+    """
+    nx, ny = len(x), len(y)
+    grid_x, grid_y = np.meshgrid(x, y)
+    nodes = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
+    number = np.arange(nx * ny).reshape(ny, nx)
+    cells = np.stack(
+        [number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1
+    ).reshape(-1, 4)
+    if keep is not None:
+        cells = cells[np.asarray(keep).ravel()]
+        used = np.unique(cells)
+        renumber = np.full(nx * ny, -1)
+        renumber[used] = np.arange(len(used))
+        nodes, cells = nodes[used], renumber[cells]
+    lower, upper = np.array([x[0], y[0]], dtype=float), np.array([x[-1], y[-1]], dtype=float)
+    return Mesh(nodes, cells, lower, upper)

@@ -1,0 +1,1 @@
+"""Networks: Fourier-feature perceptron, neural ODEs, the material they form."""

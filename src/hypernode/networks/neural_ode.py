@@ -1,0 +1,76 @@
+"""Monotone scalar functions as the flow of a neural ordinary differential equation.
+
+The weights of a neural ODE are another network's output, so this is a pure function of an array of
+weights and not a module. Weights come first and points last, ``weights[k, ..., point]``: the sums
+over the few neurons are unrolled and every operation runs over contiguous points.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+def layer_sizes(hidden: Sequence[int]) -> tuple[int, ...]:
+    """Layer sizes [1, *hidden, 1] of the right-hand side."""
+    return (1, *hidden, 1)
+
+
+def weight_count(hidden: Sequence[int]) -> int:
+    """Number of weights of the bias-free right-hand side with these hidden widths."""
+    return sum(a * b for a, b in pairwise(layer_sizes(hidden)))
+
+
+def unflatten(weights: Float[Array, "k ..."], hidden: Sequence[int]) -> list[Float[Array, "out in ..."]]:
+    """Weight matrices [out, in, ...] of each layer from the flat weights."""
+    matrices, start = [], 0
+    for a, b in pairwise(layer_sizes(hidden)):
+        matrices.append(weights[start : start + a * b].reshape(b, a, *weights.shape[1:]))
+        start += a * b
+    return matrices
+
+
+def flatten(matrices: Sequence[Float[Array, "out in ..."]]) -> Float[Array, "k ..."]:
+    """Inverse of :func:`unflatten`."""
+    return jnp.concatenate([m.reshape(-1, *m.shape[2:]) for m in matrices])
+
+
+def right_hand_side(h: Float[Array, "..."], matrices: Sequence[Float[Array, "out in ..."]]):
+    """f(h): tanh between bias-free layers, linear last; f(0) = 0 because there are no biases."""
+    layer = [h]
+    for depth, matrix in enumerate(matrices):
+        layer = [sum(matrix[j, k] * value for k, value in enumerate(layer)) for j in range(matrix.shape[0])]
+        if depth < len(matrices) - 1:
+            layer = [jnp.tanh(value) for value in layer]
+    return layer[0]
+
+
+def flow(
+    h: Float[Array, "..."], weights: Float[Array, "k ..."], hidden: Sequence[int], steps: int
+) -> Float[Array, "..."]:
+    """h(1) of dh/dtau = f(h), h(0) = h (equation ``NODE_potential``), by RK4 in equal steps.
+
+    Trajectories of a scalar ODE do not cross, so h(1) is an increasing function of h(0) that
+    passes through zero. Each step is rematerialised in the backward pass: recomputing the few
+    neurons is cheaper than the memory traffic of storing them.
+
+    Args:
+        h: initial values.
+        weights: flat weights [k, ...], broadcastable against ``h``.
+        hidden: hidden widths of the right-hand side.
+        steps: number of RK4 steps.
+    """
+    matrices = unflatten(weights, hidden)
+    dt = 1.0 / steps
+
+    @jax.checkpoint
+    def step(h, _):
+        k1 = right_hand_side(h, matrices)
+        k2 = right_hand_side(h + 0.5 * dt * k1, matrices)
+        k3 = right_hand_side(h + 0.5 * dt * k2, matrices)
+        k4 = right_hand_side(h + dt * k3, matrices)
+        return h + dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), None
+
+    return jax.lax.scan(step, h, None, length=steps)[0]

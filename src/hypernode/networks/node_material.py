@@ -1,0 +1,139 @@
+"""The material at a point as a sum of neural-ODE terms (``eq_strain energy density function_general``)."""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from hypernode.networks.neural_ode import flow, weight_count
+from hypernode.networks.terms import INVARIANTS, TERMS
+
+#: Share of a neural ODE's output in dPsi/dI. Below one, so that a neural ODE whose weights are small
+#: (h(1) close to h(0)) is a mild stiffening on top of the constant parts of dPsi/dI1 and dPsi/dI2,
+#: and the prior of small weights means a nearly neo-Hookean material.
+NODE_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class NodeMaterial:
+    """Which terms a material has and how its parameters are laid out in one vector.
+
+    The parameters at a point are, in order: the neural-ODE weights of each term, one mixture logit
+    for each two-invariant term, the logarithms of the constant parts of dPsi/dI1 and dPsi/dI2
+    (where those terms exist), and the fibre angle (where a fibre term exists).
+
+    Attributes:
+        terms: names in :data:`TERMS`.
+        hidden: hidden widths of every neural ODE.
+        steps: RK4 steps.
+        invariant_scale: what I - I(F = I) is divided by before it enters a neural ODE.
+        stress_scale: unit of dPsi/dI inside the networks, in the stress unit of the data.
+    """
+
+    terms: tuple[str, ...]
+    hidden: tuple[int, ...]
+    steps: int
+    invariant_scale: float
+    stress_scale: float
+
+    @property
+    def mixtures(self) -> tuple[str, ...]:
+        """The two-invariant terms."""
+        return tuple(term for term in self.terms if len(TERMS[term]) == 2)
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """The invariants whose derivative has a constant part."""
+        return tuple(name for name in ("I1", "I2") if name in self.terms)
+
+    @property
+    def has_fibres(self) -> bool:
+        """Whether any term sees a fibre direction."""
+        return any("4" in term for term in self.terms)
+
+    @property
+    def size(self) -> int:
+        """Length of the parameter vector at a point: the hyper-network's output width."""
+        return (
+            len(self.terms) * weight_count(self.hidden)
+            + len(self.mixtures)
+            + len(self.constants)
+            + int(self.has_fibres)
+        )
+
+    def split(self, node_params: Float[Array, "size ..."]):
+        """(weights[k, term, ...], mixture logits[m, ...], log constants[c, ...], fibre angle[...])."""
+        k, n, m, c = weight_count(self.hidden), len(self.terms), len(self.mixtures), len(self.constants)
+        batch = node_params.shape[1:]
+        weights = node_params[: k * n].reshape(k, n, *batch)
+        mixture = node_params[k * n : k * n + m]
+        constants = node_params[k * n + m : k * n + m + c]
+        angle = node_params[-1] if self.has_fibres else jnp.zeros(batch, node_params.dtype)
+        return weights, mixture, constants, angle
+
+    def join(self, weights, mixture, constants, angle) -> Float[Array, "size ..."]:
+        """Inverse of :meth:`split`."""
+        batch = weights.shape[2:]
+        parts = [weights.reshape(-1, *batch), mixture, constants]
+        return jnp.concatenate(parts + ([angle[None]] if self.has_fibres else []))
+
+    def fibre_angle(self, node_params: Float[Array, "size ..."]) -> Float[Array, "..."]:
+        """Angle of the first fibre direction from the x axis [rad]."""
+        return self.split(node_params)[3]
+
+    def energy_derivatives(self, I, node_params: Float[Array, "size ..."]):
+        """dPsi/dI_k, an :class:`~hypernode.mechanics.kinematics.Invariants`-like tuple.
+
+        Equation ``NODE_potential`` for each term. A term with a fibre invariant acts in tension
+        only: its argument is clamped at zero below, which keeps the energy convex.
+
+        Args:
+            I: named tuple of invariants, each of shape [..., point].
+            node_params: parameters [size, point] or [size, ..., point].
+        """
+        weights, mixture, constants, _ = self.split(node_params)
+        alpha = jax.nn.sigmoid(mixture)
+        shifted = {name: getattr(I, name) - value for name, value in INVARIANTS.items()}
+        inputs, shares = [], []
+        for term in self.terms:
+            names = TERMS[term]
+            share = (1.0,)
+            if len(names) == 2:
+                a = alpha[self.mixtures.index(term)]
+                share = (a, 1.0 - a)
+            value = sum(s * shifted[name] for s, name in zip(share, names, strict=True))
+            inputs.append(jnp.maximum(value, 0.0) if "4" in term else value)
+            shares.append(dict(zip(names, share, strict=True)))
+        # Stacked as [..., term, point] so that all terms run as one array.
+        h = jnp.stack(inputs, axis=-2) / self.invariant_scale
+        values = flow(h, weights, self.hidden, self.steps)
+        total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
+        for index, share in enumerate(shares):
+            for name, s in share.items():
+                total[name] = total[name] + NODE_SHARE * s * values[..., index, :]
+        for name, constant in zip(self.constants, constants, strict=True):
+            total[name] = total[name] + jnp.exp(constant)
+        return type(I)(**{name: self.stress_scale * value for name, value in total.items()})
+
+    def initial_params(self, key: Array) -> Float[Array, " size"]:
+        """Random parameters of a soft, nearly neo-Hookean start; every term has its own key."""
+        k = weight_count(self.hidden)
+        keys = jax.random.split(key, len(self.terms))
+        spread = 0.5 / max(self.hidden) ** 0.5
+        weights = jnp.stack([spread * jax.random.normal(each, (k,)) for each in keys], axis=1)
+        start = {"I1": 0.4, "I2": 0.05}
+        constants = jnp.log(jnp.array([start[name] for name in self.constants]))
+        return self.join(weights, jnp.zeros(len(self.mixtures)), constants, jnp.zeros(()))
+
+    def departure(
+        self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]
+    ) -> Float[Array, ""]:
+        """Mean over points of the squared distance from ``centre``, constants left out.
+
+        The constants carry the stiffness contrast; what is penalised is a change of the shape of
+        the stress-stretch curves and of the fibres from point to point.
+        """
+        weights, mixture, _, angle = self.split(node_params - centre[:, None])
+        total = jnp.sum(weights**2, axis=(0, 1)) + jnp.sum(mixture**2, axis=0)
+        return jnp.mean(total + (angle**2 if self.has_fibres else 0.0))

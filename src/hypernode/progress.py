@@ -1,0 +1,33 @@
+"""Progress lines on standard error: stage, case, step, numbers, time left."""
+
+import sys
+import time
+
+
+class Progress:
+    """Prints a line at most every few seconds, and one at the end.
+
+    Args:
+        stage, case: named in every line.
+        total: number of steps to come.
+        every: least time between lines [s].
+    """
+
+    def __init__(self, stage: str, case: str, total: int, every: float = 3.0):
+        self.stage, self.case, self.total, self.every = stage, case, total, every
+        self.step, self.start, self.last = 0, time.monotonic(), 0.0
+
+    def advance(self, steps: int = 1, **numbers: float) -> None:
+        """Note that ``steps`` more are done and show the numbers."""
+        self.step += steps
+        now = time.monotonic()
+        if self.step < self.total and now - self.last < self.every:
+            return
+        self.last = now
+        left = (now - self.start) / max(self.step, 1) * (self.total - self.step)
+        shown = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items())
+        print(
+            f"[{self.stage}] {self.case}: step {self.step}/{self.total}, {shown}, {left:.0f} s left",
+            file=sys.stderr,
+            flush=True,
+        )

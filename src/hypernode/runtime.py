@@ -1,0 +1,118 @@
+"""How one job of the workflow runs: its cores, its log, its errors, its attributes.
+
+This module must be imported before JAX: it pins the process to as many CPUs as the job declares, so
+that XLA's thread pool has that size and two jobs on two cores do not fight.
+"""
+
+import contextlib
+import ctypes
+import fcntl
+import os
+import signal
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+from hypernode.config import ConfigError
+from hypernode.storage.provenance import describe
+
+_PR_SET_PDEATHSIG = 1
+#: Kept open for the life of the process: closing a file gives its lock back.
+_held = []
+
+
+def claim_cores(count: int) -> list[int]:
+    """Pin this process to ``count`` CPUs that no other job of this user has claimed.
+
+    A claim is a lock on a file per CPU, which the kernel drops when the process ends, however it
+    ends. Where too few are free, the remaining ones are shared.
+    """
+    allowed = sorted(os.sched_getaffinity(0))
+    chosen = []
+    for cpu in allowed:
+        if len(chosen) == count:
+            break
+        path = Path(tempfile.gettempdir()) / f"hypernode-{os.getuid()}-cpu{cpu}.lock"
+        handle = open(path, "w")  # noqa: SIM115 - held until exit
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            handle.close()
+            continue
+        _held.append(handle)
+        chosen.append(cpu)
+    spare = [cpu for cpu in allowed if cpu not in chosen]
+    start = os.getpid() % max(len(spare), 1)
+    chosen += (spare[start:] + spare[:start])[: count - len(chosen)]
+    os.sched_setaffinity(0, chosen)
+    return chosen
+
+
+def die_with_parent() -> None:
+    """Ask the kernel to kill this process when its parent dies, so that no orphan goes on computing."""
+    ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+class _Tee:
+    """Writes to the terminal and to the job's log."""
+
+    def __init__(self, *streams):
+        self.streams = streams
+
+    def write(self, text):
+        """Write to every stream."""
+        for stream in self.streams:
+            stream.write(text)
+        return len(text)
+
+    def flush(self):
+        """Flush every stream."""
+        for stream in self.streams:
+            stream.flush()
+
+
+def use_compilation_cache() -> None:
+    """Keep compiled training steps between jobs, outside results/ and safe to delete at any time."""
+    import jax
+    import jaxlib
+
+    folder = Path(os.environ.get("HYPERNODE_CACHE", ".cache")) / f"jax-{jaxlib.__version__}"
+    jax.config.update("jax_compilation_cache_dir", str(folder.resolve()))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 1.0)
+
+
+@contextlib.contextmanager
+def job(snakemake, float64: bool = False):
+    """Set a workflow script up and turn expected errors into one line.
+
+    Args:
+        snakemake: the object that Snakemake gives to scripts.
+        float64: whether JAX computes in double precision (finite elements do, training does not).
+
+    Yields:
+        The attributes that the job's output file carries.
+    """
+    die_with_parent()
+    claim_cores(snakemake.threads)
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    log = open(str(snakemake.log[0]), "w", buffering=1)  # noqa: SIM115 - closed at exit
+    sys.stderr = _Tee(sys.__stderr__, log)
+    import jax
+
+    jax.config.update("jax_enable_x64", float64)
+    use_compilation_cache()
+    from hypernode.dic.davis import DicError
+    from hypernode.stages.equilibrium_solver import ConvergenceError
+    from hypernode.stages.optimisation import DivergenceError
+    from hypernode.storage.netcdf import StorageError
+
+    try:
+        yield describe(
+            snakemake.rule, dict(snakemake.wildcards), snakemake.params.get("settings", {}), snakemake.params.code
+        )
+    except (ConfigError, ConvergenceError, DicError, DivergenceError, StorageError, ValueError) as error:
+        where = ", ".join(f"{key} {value}" for key, value in snakemake.wildcards.items())
+        traceback.print_exc(file=log)
+        print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)
+        sys.exit(1)

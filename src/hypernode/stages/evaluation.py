@@ -1,0 +1,296 @@
+"""Stage 9: how good an identified material is, on one scale for every run."""
+
+import json
+
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Config, Image
+from hypernode.material import Material, load_material
+from hypernode.mechanics.equilibrium import EquilibriumGap, nodal_force_matrices
+from hypernode.mechanics.kinematics import largest_principal_strain
+from hypernode.mechanics.mesh import EDGES
+from hypernode.stages.fields import Loading, mesh_of
+from hypernode.stages.geometry import make_shape
+from hypernode.stages.shape import (
+    boundary_distance,
+    dice,
+    find_inclusion,
+    intersection_over_union,
+    most_interior,
+    registered_dice,
+)
+from hypernode.storage.netcdf import read, units_of, write
+
+MODES = ("equibiaxial", "strip_x", "strip_y", "shear")
+#: Stretch at which the shape is read from the stress.
+SHAPE_STRETCH = 1.1
+CURVE_POINTS = 21
+
+
+def mode_gradients(stretches) -> np.ndarray:
+    """F[mode, stretch, i, J] of the judged homogeneous deformations (shear by stretch - 1)."""
+    F = np.tile(np.eye(2), (len(MODES), len(stretches), 1, 1))
+    extra = np.asarray(stretches) - 1.0
+    F[0, :, 0, 0] += extra
+    F[0, :, 1, 1] += extra
+    F[1, :, 0, 0] += extra
+    F[2, :, 1, 1] += extra
+    F[3, :, 0, 1] += extra
+    return F
+
+
+def stress_at_common_F(material: Material, X, F) -> np.ndarray:
+    """P[mode, stretch, cell, i, J] when every point undergoes the same F[mode, stretch]."""
+    P = [material.stress(X, jnp.broadcast_to(f, (len(X), 2, 2))) for f in F.reshape(-1, 2, 2)]
+    return np.stack([np.asarray(p, float) for p in P]).reshape(*F.shape[:2], len(X), 2, 2)
+
+
+def relative_error(found, true, weights) -> float:
+    """Relative L2 difference of two stress fields [..., cell, i, J], weighted by cell area."""
+    error = np.einsum("...cij,c->", (found - true) ** 2, weights)
+    return float(np.sqrt(error / np.einsum("...cij,c->", true**2, weights)))
+
+
+def contrast(found, true, weights) -> tuple[float, float]:
+    """(L2 error over L2 deviation of the truth from its mean, correlation) of stress fields."""
+    w = (weights / weights.sum())[:, None, None]
+    deviation = true - np.sum(true * w, axis=-3, keepdims=True)
+    found_deviation = found - np.sum(found * w, axis=-3, keepdims=True)
+    spread = np.sum(w * deviation**2)
+    if spread <= 1e-12 * np.sum(w * true**2):
+        return float("nan"), float("nan")
+    error = np.sqrt(np.sum(w * (found - true) ** 2) / spread)
+    cross = np.sum(w * deviation * found_deviation)
+    return float(error), float(cross / np.sqrt(spread * np.sum(w * found_deviation**2)))
+
+
+def uniaxial_stress(material: Material, X, stretch: float, axis: int) -> np.ndarray:
+    """Normal stresses (point, 2) under a uniaxial *stress* along ``axis`` at the given stretch.
+
+    The transverse stretch follows from a vanishing transverse stress by Newton's method.
+    """
+    across = 1 - axis
+    transverse = np.full(len(X), stretch**-0.5)
+    for _ in range(30):
+        F = np.zeros((len(X), 2, 2))
+        F[:, axis, axis], F[:, across, across] = stretch, transverse
+        P = np.asarray(material.stress(X, F), float)
+        slope = np.asarray(material.tangent(X, F), float)[:, across, across, across, across]
+        step = P[:, across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
+        transverse = np.clip(transverse - step, 0.3, 3.0)
+        if np.abs(step).max() < 1e-7:
+            break
+    return np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1)
+
+
+def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
+    """Normal stresses (location, stretch, 2) along the stretch of the test's own kind."""
+    found = []
+    for s in stretches:
+        if kind in ("equibiaxial", "biaxial", "shear"):
+            P = np.asarray(material.stress(X, np.tile(np.diag([s, s]), (len(X), 1, 1))), float)
+            found.append(np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1))
+        else:
+            found.append(uniaxial_stress(material, X, float(s), 0 if kind.endswith("x") else 1))
+    return np.stack(found, axis=1)
+
+
+def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
+    """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
+    stress at an isochoric uniaxial stretch for uniaxial tests."""
+    if kind in ("equibiaxial", "biaxial", "shear"):
+        P = np.asarray(material.stress(X, np.tile(np.diag([stretch, stretch]), (len(X), 1, 1))), float)
+        return P[:, 0, 0] + P[:, 1, 1]
+    axis = 0 if kind.endswith("x") else 1
+    diagonal = np.full(2, stretch**-0.5)
+    diagonal[axis] = stretch
+    return np.asarray(material.stress(X, np.tile(np.diag(diagonal), (len(X), 1, 1))), float)[:, axis, axis]
+
+
+def _equilibrium(mesh, loading: Loading, P):
+    """Judge the stress field P[step, cell, i, J]: forces, nodal residual, gap."""
+    D = nodal_force_matrices(mesh)
+    nodal = np.stack([sum(D[J] @ P[:, :, i, J].T for J in range(2)).T for i in range(2)], axis=-1)
+    forces = np.full((len(P), len(EDGES), 2), np.nan)
+    held = np.zeros((len(P), *nodal.shape[1:]), dtype=bool)
+    for index, edge in enumerate(EDGES):
+        on = mesh.on_edge(edge)
+        for i in range(2):
+            constrained = loading.constrained[loading.test, index, i]
+            forces[constrained, index, i] = nodal[constrained][:, on, i].sum(axis=1)
+            held[np.ix_(constrained, on, [i])] = True
+    free = np.where(held, 0.0, nodal)
+    gradient = mesh.gradient_operator() * mesh.areas[:, None, None]
+    cell_forces = np.einsum("caJ,sciJ->scai", gradient, P)
+    residual = np.sqrt((free**2).sum(axis=(1, 2)) / (cell_forces**2).sum(axis=(1, 2, 3)))
+    gap = np.zeros(len(P))
+    for k in range(loading.test.max() + 1):
+        steps = np.flatnonzero(loading.test == k)
+        measure = EquilibriumGap.build(mesh, loading.constrained[k], loading.known[k])
+        parts = measure.residuals(
+            jnp.asarray(np.moveaxis(P[steps], (2, 3), (0, 1)), jnp.float32),
+            jnp.asarray(loading.resultant[steps], jnp.float32),
+            jnp.asarray(loading.scale[steps], jnp.float32),
+        )
+        gap[steps] = np.sqrt(sum(np.asarray(jnp.sum(r**2, axis=0)) for r in parts))
+    return forces, residual, gap
+
+
+def run(
+    config: Config,
+    name: str,
+    measurement_file: str,
+    gradient_file: str,
+    interpolant_file: str,
+    material_file: str,
+    output: str,
+    attributes: dict,
+    truth_file: str | None = None,
+) -> None:
+    """Judge one run and write every number and field that figures and tables show."""
+    case = config.cases[name]
+    measurement, gradient, interpolant = read(measurement_file), read(gradient_file), read(interpolant_file)
+    mesh, loading = mesh_of(measurement), Loading.of(measurement)
+    X, areas = mesh.centres, mesh.areas
+    found = load_material(material_file)
+    kind = config.loads[case.loads[0]].kind if case.loads else config.specimens[case.specimen].load
+    largest = float(measurement["stretch"].values.max())
+    stretches = np.array(case.judged_stretches or measurement["stretch"].values[loading.test == 0])
+    F = mode_gradients(stretches)
+    F_seen = interpolant["F_interpolated"].values
+    P_field = np.stack([np.asarray(found.stress(X, f), float) for f in F_seen])
+    forces, residual, gap = _equilibrium(mesh, loading, P_field)
+    thickness = float(measurement.attrs["thickness"])
+    measured_force = measurement["edge_force"].values
+    with np.errstate(invalid="ignore"):
+        relative = np.abs(forces * thickness - measured_force) / np.nanmax(np.abs(measured_force), axis=(1, 2), keepdims=True)
+    force_error = np.nanmax(np.where(np.isfinite(measured_force), relative, np.nan), axis=(1, 2))
+    shape_stretch = min(SHAPE_STRETCH, largest)
+    field = indicator(found, X, kind, shape_stretch)
+    shape = find_inclusion(mesh, field)
+    curve_stretch = np.linspace(1.0, largest, CURVE_POINTS)
+    variables = {
+        "X": mesh.nodes,
+        "cells": mesh.cells,
+        "corners": np.stack([mesh.lower, mesh.upper]),
+        "stretch": measurement["stretch"].values,
+        "mode_F": F,
+        "P_identified": stress_at_common_F(found, X, F),
+        "trace_P": field,
+        "shape": shape.astype(np.int64),
+        "P_field": P_field,
+        "edge_force": measured_force,
+        "edge_force_identified": forces * thickness,
+        "edge_force_error": force_error,
+        "equilibrium_residual": residual,
+        "equilibrium_gap": gap,
+        "curve_stretch": curve_stretch,
+        "misfit": interpolant["misfit"].values,
+        "principal_strain": np.asarray(
+            largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))
+        ),
+    }
+    summary = {
+        "case": name,
+        "edge_force_error": float(force_error.max()),
+        "equilibrium_residual": float(residual.max()),
+        "equilibrium_gap": float(gap.max()),
+        "interpolant_misfit": float(interpolant["misfit"].values.max()),
+    }
+    true_shape = None
+    if truth_file:
+        true_shape = _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, variables, summary)
+    elif case.specimen and config.specimens[case.specimen].shape_image:
+        true_shape = _judge_printed(config.specimens[case.specimen], measurement, mesh, shape, summary)
+    if true_shape is not None:
+        variables["shape_true"] = true_shape.astype(np.int64)
+        summary |= {
+            "dice": dice(shape, true_shape),
+            "iou": intersection_over_union(shape, true_shape),
+            "boundary_distance": boundary_distance(mesh, shape, true_shape),
+        }
+    sides = true_shape if true_shape is not None and truth_file else shape
+    cells = most_interior(mesh, sides)
+    variables["curve_location"] = X[cells]
+    variables["curve_identified"] = curves(found, X[cells], curve_stretch, kind)
+    if truth_file:
+        variables["curve_true"] = curves(load_material(truth_file), X[cells], curve_stretch, kind)
+        summary |= _curve_scores(variables["curve_identified"], variables["curve_true"])
+    if shape.any() and not shape.all():
+        summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
+    if "snr" in gradient:
+        variables["snr"] = gradient["snr"].values
+    write(
+        output,
+        variables,
+        f"evaluation of {name}",
+        {
+            **attributes,
+            "units": units_of(measurement),
+            "thickness": thickness,
+            "modes": MODES,
+            "load": kind,
+            "shape_stretch": shape_stretch,
+            "summary": summary,
+        },
+        parents=[p for p in (measurement_file, gradient_file, interpolant_file, material_file, truth_file) if p],
+    )
+
+
+def _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, variables, summary):
+    """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
+    truth, true = read(truth_file), load_material(truth_file)
+    X, areas = mesh.centres, mesh.areas
+    P_true, P = stress_at_common_F(true, X, F), variables["P_identified"]
+    phase = truth["phase"].values
+    phases = json.loads(truth.attrs["phases"])
+    by_mode = [[relative_error(P[m, s], P_true[m, s], areas) for s in range(len(stretches))] for m in range(len(MODES))]
+    by_phase = [
+        [[relative_error(P[m, s], P_true[m, s], areas * (phase == k)) for s in range(len(stretches))] for m in range(len(MODES))]
+        for k in range(len(phases))
+    ]
+    true_shape = phase > 0
+    corner = mesh.cells
+    nodal = np.zeros((2, len(mesh.nodes)), dtype=bool)
+    for side in range(2):
+        nodal[side, corner[true_shape == bool(side)].ravel()] = True
+    band = nodal.all(axis=0)[corner].any(axis=1)
+    seen = MODES.index("equibiaxial") if kind in ("equibiaxial", "biaxial") else MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+    error, correlation = contrast(P[seen], P_true[seen], areas)
+    variables |= {
+        "P_true": P_true,
+        "stress_error": np.array(by_mode),
+        "stress_error_phase": np.array(by_phase),
+        "phase": phase,
+    }
+    summary |= {
+        "stress_error": relative_error(P[seen], P_true[seen], areas),
+        "stress_error_all_modes": relative_error(P, P_true, areas),
+        "stress_error_off_interface": relative_error(P[seen], P_true[seen], areas * ~band),
+        "contrast_error": error,
+        "correlation": correlation,
+    }
+    return true_shape
+
+
+def _judge_printed(specimen, measurement, mesh, shape, summary):
+    """Compare the found shape with the printed one; returns the printed shape on the cells."""
+    reference = make_shape(Image(shape="image", path=specimen.shape_image))
+    lower, upper = np.array(json.loads(measurement.attrs["field_corners"]))
+    X = (mesh.centres - lower) / (upper - lower)
+    if specimen.shape_flipped:
+        X = X * (1.0, -1.0) + (0.0, 1.0)
+    summary["dice_registered"], summary["registration"] = registered_dice(shape, reference, X)
+    return reference(X) > 0.5
+
+
+def _curve_scores(found, true):
+    """NRMSE (over the range of the truth) and R2 of the stress-stretch curves of each location."""
+    scores = {}
+    for index, phase in enumerate(("matrix", "inclusion")):
+        error = np.sqrt(np.mean((found[index] - true[index]) ** 2))
+        spread = np.sum((true[index] - true[index].mean()) ** 2)
+        scores[f"curve_nrmse_{phase}"] = float(error / np.ptp(true[index]))
+        scores[f"curve_r2_{phase}"] = float(1.0 - np.sum((found[index] - true[index]) ** 2) / spread)
+    return scores

@@ -1,0 +1,73 @@
+"""Stage 5: one set of neural-ODE parameters for the whole sheet."""
+
+import dataclasses
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Method
+from hypernode.material import node_stress
+from hypernode.mechanics.kinematics import invariants
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.stages.fields import Loading, mesh_of
+from hypernode.stages.interpolant import InterpolatedGradient
+from hypernode.stages.optimisation import minimise
+from hypernode.storage.netcdf import read, units_of, write
+
+#: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
+#: homogenised fit has more parameters than data; this picks the plainest of the many that fit.
+RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-5
+
+
+def run(
+    method: Method, name: str, measurement_file: str, interpolant_file: str, output: str, attributes: dict
+) -> None:
+    """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
+
+    Components whose resultant is not measured and that are not free carry no data. The stress unit
+    and the invariant unit of the networks are set here, from the largest load step.
+    """
+    measurement, interpolant = read(measurement_file), read(interpolant_file)
+    loading, mesh = Loading.of(measurement), mesh_of(measurement)
+    weights = mesh.areas / mesh.areas.sum()
+    F = InterpolatedGradient(interpolant)(jnp.asarray(mesh.centres, jnp.float32))
+    mean_F = jnp.sum(F * jnp.asarray(weights, jnp.float32), axis=-1, keepdims=True)
+    largest = max(float(jnp.max(invariants(mean_F, jnp.zeros(()))[k])) - 3.0 for k in range(2))
+    node = NodeMaterial(
+        tuple(method.node.terms),
+        tuple(method.node.hidden),
+        method.node.rk4_steps,
+        invariant_scale=largest,
+        stress_scale=float(loading.scale.max()),
+    )
+    start = node.initial_params(jax.random.key(method.seed))
+    target = jnp.asarray(loading.P_average, jnp.float32)
+    known = jnp.asarray(np.einsum("si,iJ->siJ", loading.measured, np.eye(2)), jnp.float32)
+    scale = jnp.asarray(loading.scale, jnp.float32)[:, None, None]
+
+    def predicted(params):
+        return jnp.moveaxis(node_stress(node, mean_F, params[:, None])[..., 0], -1, 0)
+
+    def loss(params, key):
+        ode, _, constants, _ = node.split(params)
+        ridge = RIDGE_WEIGHTS * jnp.sum(ode**2) + RIDGE_CONSTANTS * jnp.sum((constants - node.split(start)[2]) ** 2)
+        return jnp.mean(known * ((predicted(params) - target) / scale) ** 2) + ridge
+
+    params, history, iterations = minimise(
+        loss, start, method.homogenised, stage="homogenised NODE", case=name, seed=method.seed
+    )
+    write(
+        output,
+        {
+            "node_params": params,
+            "P_average": loading.P_average,
+            "P_homogenised": np.asarray(predicted(params)),
+            "loss": history,
+            "loss_iteration": iterations,
+        },
+        f"homogenised material of {name}",
+        {**attributes, "units": units_of(measurement), "node": json.dumps(dataclasses.asdict(node))},
+        parents=[measurement_file, interpolant_file],
+    )

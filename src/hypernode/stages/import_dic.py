@@ -1,0 +1,140 @@
+"""Stage 2 for a real test: a folder of frames and a force record become a measurement file."""
+
+from pathlib import Path
+
+import numpy as np
+
+from hypernode.config import Config, Specimen
+from hypernode.dic.davis import DicError, Series, frame_files, read_force_record, read_series
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.loads import CONSTRAINED
+from hypernode.mechanics.mesh import rectilinear
+from hypernode.stages.fields import deformation_gradient
+from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
+
+#: The tensile axis of each load that a specimen may have.
+_AXIS = {"clamped_x": 0, "clamped_y": 1}
+
+
+def _trimmed(series: Series, ring: int) -> Series:
+    """The series without the outermost rings of points."""
+    if min(len(series.x), len(series.y)) <= 2 * ring + 2:
+        raise DicError(f"edge_ring = {ring} leaves no grid of {len(series.x)} x {len(series.y)} points")
+    cut = slice(ring, -ring or None)
+    frames = [type(f)(f.number, f.displacement[cut, cut]) for f in series.frames]
+    return Series(series.x[cut], series.y[cut], frames)
+
+
+def _mean_stretch(series: Series, axis: int) -> np.ndarray:
+    """Mean stretch along the tensile axis of every frame, from the extension between end lines."""
+    position = (series.x, series.y)[axis]
+    means = []
+    for frame in series.frames:
+        u = frame.displacement[..., axis]
+        ends = (u[:, 0], u[:, -1]) if axis == 0 else (u[0], u[-1])
+        means.append(1.0 + (np.nanmean(ends[1]) - np.nanmean(ends[0])) / (position[-1] - position[0]))
+    return np.array(means)
+
+
+def _select(specimen: Specimen, folder: Path) -> list[int]:
+    """Numbers of the frames that become load steps."""
+    if specimen.frames is not None:
+        return list(specimen.frames)
+    series = _trimmed(read_series(folder), specimen.edge_ring)
+    stretch = _mean_stretch(series, _AXIS[specimen.load])
+    chosen = []
+    for target in specimen.stretches:
+        if target > stretch.max():
+            raise DicError(f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {stretch.max():.4g}")
+        chosen.append(series.frames[int(np.argmin(np.abs(stretch - target)))].number)
+    if len(set(chosen)) < len(chosen):
+        raise DicError(f"{folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart")
+    return chosen
+
+
+def run(config: Config, name: str, output: str, attributes: dict) -> None:
+    """Import a specimen: mm, N and MPa, y upward, force interpolated at each frame's time.
+
+    The load cell sees the whole width; the grid that is left after dropping the edge ring is
+    narrower, so its resultant is the share of its width.
+
+    Raises:
+        DicError: any input that cannot be used, with file and line.
+    """
+    specimen = config.specimens[config.cases[name].specimen]
+    folder = Path(specimen.folder)
+    numbers = _select(specimen, folder)
+    series = _trimmed(full := read_series(folder, numbers), specimen.edge_ring)
+    force_path = folder / specimen.force_file
+    record_time, record_force = read_force_record(force_path)
+    time = specimen.first_frame_time + (np.array(numbers) - full.frames[0].number) / specimen.frame_rate
+    late = time > record_time[-1]
+    if late.any():
+        raise DicError(
+            f"{force_path}: ends at {record_time[-1]:g} s, before frame {numbers[int(np.argmax(late))]} at "
+            f"{time[late][0]:g} s: check frame_rate and first_frame_time"
+        )
+    if (time < record_time[0]).any():
+        raise DicError(f"{force_path}: begins after the first chosen frame: check first_frame_time")
+    force = np.interp(time, record_time, record_force)
+    by_number = {f.number: f.displacement for f in series.frames}
+    chosen = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
+    valid = ~chosen.lost
+    keep = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
+    mm = specimen.pixel_size
+    mesh = rectilinear(series.x * mm, series.y * mm, keep)
+    grid = np.stack(np.meshgrid(series.x * mm, series.y * mm), axis=-1).reshape(-1, 2)
+    place = _places(grid, mesh.nodes)
+    u = np.stack([by_number[n].reshape(-1, 2)[place] * mm for n in numbers])
+    reference = by_number[full.frames[0].number].reshape(-1, 2)[place] * mm
+    u = u - np.nan_to_num(reference)
+    axis = _AXIS[specimen.load]
+    across = 1 - axis
+    whole = (specimen.width, specimen.height)[across]
+    share = min(float(mesh.size[across]) / whole, 1.0)
+    edge_force = np.full((len(numbers), len(EDGE_NAMES), 2), np.nan)
+    constrained = np.zeros((len(numbers), len(EDGE_NAMES), 2))
+    for edge, component in CONSTRAINED[specimen.load]:
+        constrained[:, EDGE_NAMES.index(edge), component] = 1.0
+    low, high = (("left", "right"), ("bottom", "top"))[axis]
+    edge_force[:, EDGE_NAMES.index(high), axis] = force * share
+    edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
+    areas = mesh.areas / mesh.areas.sum()
+    H = np.einsum("scij,c->sij", deformation_gradient(mesh, u), areas) - np.eye(2)
+    field = np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]])
+    write(
+        output,
+        {
+            "X": mesh.nodes,
+            "cells": mesh.cells,
+            "corners": np.stack([mesh.lower, mesh.upper]),
+            "test": np.zeros(len(numbers), dtype=np.int64),
+            "stretch": 1.0 + H[:, axis, axis],
+            "H": H,
+            "time": time,
+            "edge_force": edge_force,
+            "edge_constrained": constrained,
+            "u_measured": u[None],
+        },
+        f"measurement of specimen {specimen.source_title or name}",
+        {
+            **attributes,
+            "units": EXPERIMENT_UNITS,
+            "tests": [specimen.load],
+            "thickness": specimen.thickness,
+            "displacement_noise": specimen.noise_pixels * mm,
+            "frames": numbers,
+            "field_corners": field.tolist(),
+            "lost_points": int((~valid).sum()),
+            "raw_inputs": {
+                path.name: sha256(path)
+                for path in (force_path, *(frame_files(folder)[n] for n in sorted({full.frames[0].number, *numbers})))
+            },
+        },
+    )
+
+
+def _places(grid, nodes):
+    """Index of each mesh node in the full grid; both hold the same floating-point coordinates."""
+    order = {tuple(point): index for index, point in enumerate(map(tuple, grid))}
+    return np.array([order[tuple(node)] for node in nodes])

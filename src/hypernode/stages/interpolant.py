@@ -1,0 +1,112 @@
+"""Stage 4: a continuous deformation gradient (X, t) -> F for every test."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Interpolant
+from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
+from hypernode.stages.fields import mesh_of
+from hypernode.stages.optimisation import minimise
+from hypernode.storage.netcdf import read, units_of, write
+
+
+class InterpolatedGradient:
+    """F(X) at every load step, from one network a test.
+
+    Args:
+        file: an interpolant file, opened.
+    """
+
+    def __init__(self, file):
+        settings = Interpolant.model_validate_json(file.attrs["interpolant"])
+        self._lower = jnp.asarray(file["corners"].values[0], jnp.float32)
+        self._length = float(file.attrs["length_scale"])
+        self._t = jnp.asarray(file["t"].values, jnp.float32)
+        self._amplitude = jnp.asarray(file["amplitude"].values, jnp.float32)
+        tests = file["test"].values
+        self._steps = [np.flatnonzero(tests == k) for k in range(tests.max() + 1)]
+        self._order = np.argsort(np.concatenate(self._steps), kind="stable")
+        self._networks = [
+            from_arrays(make_network(settings, 1, 4, 0), file, f"interpolant{k}") for k in range(len(self._steps))
+        ]
+
+    def __call__(self, X):
+        """F[i, J, step, point] at the positions X (point, 2)."""
+        scaled = (X - self._lower) / self._length
+        values = [
+            network(scaled[None], self._t[steps, None, None]) * self._amplitude[steps, None, None]
+            for network, steps in zip(self._networks, self._steps, strict=True)
+        ]
+        H = jnp.concatenate(values)[self._order].reshape(len(self._t), -1, 2, 2)
+        return jnp.moveaxis(H + jnp.eye(2), (2, 3), (0, 1))
+
+
+def run(
+    settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict
+) -> None:
+    """Fit one network a test to F at the cell centres (equation ``eq_training_FDM_Fint``).
+
+    The misfit of each load step is measured in units of that step's own F - I, and the network's
+    output is scaled by it, so that small steps are fitted as well as large ones.
+    """
+    data = read(gradient_file)
+    mesh = mesh_of(data)
+    length = float(mesh.size.max())
+    tests, F = data["test"].values, data["F"].values
+    amplitude = np.sqrt(np.mean((F - np.eye(2)) ** 2, axis=(1, 2, 3)))
+    t = np.array([amplitude[k] / amplitude[tests == tests[k]].max() for k in range(len(tests))])
+    X = jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32)
+    variables, losses = {}, []
+    for test in range(tests.max() + 1):
+        steps = np.flatnonzero(tests == test)
+        target = jnp.asarray((F[steps] - np.eye(2)) / amplitude[steps, None, None, None], jnp.float32)
+        target, load = target.reshape(len(steps), -1, 4), jnp.asarray(t[steps, None, None], jnp.float32)
+        params, apply = split_trainable(make_network(settings, 1, 4, seed + 100 * test))
+        count = min(settings.points or len(X), len(X))
+
+        def loss(params, key, target=target, load=load, apply=apply, count=count):
+            at = slice(None) if count == len(X) else jax.random.choice(key, len(X), (count,), replace=False)
+            return jnp.mean((apply(params)(X[None, at], load) - target[:, at]) ** 2)
+
+        params, history, iterations = minimise(
+            loss, params, settings, stage="interpolant", case=f"{name}, test {test}", seed=seed
+        )
+        variables |= to_arrays(apply(params), f"interpolant{test}")
+        losses.append(history)
+    variables |= {key: data[key].values for key in ("X", "cells", "corners", "test", "stretch")}
+    variables |= {"t": t, "amplitude": amplitude}
+    variables |= {"loss": np.mean(losses, axis=0), "loss_iteration": iterations}
+    described = {
+        **attributes,
+        "units": units_of(data),
+        "interpolant": settings.model_dump_json(),
+        "length_scale": length,
+    }
+    # The stored file is what later stages evaluate, so the misfit is taken from it too.
+    interpolated = np.asarray(InterpolatedGradient(_InMemory(variables, described))(jnp.asarray(mesh.centres, jnp.float32)))
+    fitted = np.moveaxis(interpolated, (0, 1), (2, 3)).astype(float)
+    reference = F
+    axes = (1, 2, 3)
+    variables["F_interpolated"] = fitted
+    variables["misfit"] = np.sqrt(
+        np.sum((fitted - reference) ** 2, axis=axes) / np.sum((reference - np.eye(2)) ** 2, axis=axes)
+    )
+    write(output, variables, f"interpolated deformation gradient of {name}", described, parents=[gradient_file])
+
+
+class _InMemory(dict):
+    """Variables about to be written, seen the way an opened file shows them."""
+
+    class _Values:
+        def __init__(self, values):
+            self.values = values
+
+        def __array__(self, *args, **kwargs):
+            return np.asarray(self.values, *args, **kwargs)
+
+    def __init__(self, variables, attrs):
+        super().__init__(
+            {k: self._Values(np.asarray(v[1] if "." in k else v)) for k, v in variables.items()}
+        )
+        self.attrs = attrs

@@ -1,0 +1,77 @@
+"""The one training loop: every stage that fits a network calls :func:`minimise`."""
+
+from collections.abc import Callable
+
+import jax
+import numpy as np
+import optax
+
+from hypernode.progress import Progress
+
+#: Iterations compiled into one call; the loop looks for divergence between calls.
+CHUNK = 50
+
+
+class DivergenceError(RuntimeError):
+    """A loss became infinite or not a number; the message names the stage, case and step."""
+
+
+def make_optimiser(algorithm: str, learning_rate: float, iterations: int) -> optax.GradientTransformation:
+    """Adam or Muon, with a cosine decay of the learning rate to zero."""
+    schedule = optax.cosine_decay_schedule(learning_rate, max(iterations, 1))
+    return optax.contrib.muon(schedule) if algorithm == "muon" else optax.adam(schedule)
+
+
+def minimise(
+    loss: Callable, params, settings, *, stage: str, case: str, seed: int
+) -> tuple[object, np.ndarray, np.ndarray]:
+    """Minimise ``loss(params, key)`` by stochastic gradients.
+
+    Args:
+        loss: scalar function of the parameters and of a random key that changes every iteration.
+        params: pytree of float32 arrays to start from.
+        settings: an :class:`~hypernode.config.Optimiser`.
+        stage, case: named in progress lines and errors.
+        seed: seed of the keys.
+
+    Returns:
+        (params, recorded loss, iteration of each record).
+
+    Raises:
+        DivergenceError: the loss is no longer finite.
+    """
+    iterations = settings.iterations
+    if iterations == 0:
+        value = float(jax.jit(loss)(params, jax.random.key(seed)))
+        return params, np.array([value], np.float32), np.array([0])
+    optimiser = make_optimiser(settings.algorithm, settings.learning_rate, iterations)
+    length = min(CHUNK, iterations)
+
+    @jax.jit
+    def chunk(params, state, key):
+        def step(carry, key):
+            params, state = carry
+            value, gradient = jax.value_and_grad(loss)(params, key)
+            updates, state = optimiser.update(gradient, state, params)
+            return (optax.apply_updates(params, updates), state), value
+
+        (params, state), values = jax.lax.scan(step, (params, state), jax.random.split(key, length))
+        return params, state, values
+
+    state, key = optimiser.init(params), jax.random.key(seed)
+    progress = Progress(stage, case, iterations)
+    losses, steps = [], []
+    for start in range(0, iterations, length):
+        key, now = jax.random.split(key)
+        params, state, values = chunk(params, state, now)
+        values = np.asarray(values)
+        if not np.isfinite(values).all():
+            bad = start + int(np.flatnonzero(~np.isfinite(values))[0])
+            raise DivergenceError(
+                f"{stage} of {case}: the loss is {values[bad - start]} at iteration {bad}; "
+                "lower the learning rate of this stage"
+            )
+        losses.append(values)
+        steps.append(np.arange(start, start + length))
+        progress.advance(length, loss=float(values[-1]))
+    return params, np.concatenate(losses), np.concatenate(steps)

@@ -1,0 +1,96 @@
+"""Shapes of inclusions: found without looking at the truth, and compared with it."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.spatial import cKDTree
+from skimage.filters import threshold_otsu
+
+from hypernode.mechanics.mesh import Mesh
+
+#: Shift over side length and relative change of size that a registration may use, and its steps.
+REGISTRATION_LIMIT, REGISTRATION_STEPS = 0.05, 5
+
+
+def border_cells(mesh: Mesh) -> Bool[np.ndarray, " cell"]:
+    """Cells that touch the bounding rectangle."""
+    on = np.zeros(len(mesh.nodes), dtype=bool)
+    for edge in ("left", "right", "bottom", "top"):
+        on |= mesh.on_edge(edge)
+    return on[mesh.cells].any(axis=1)
+
+
+def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Split the sheet in two by Otsu's threshold; the inclusion is the side that meets the border less."""
+    if np.ptp(indicator) <= 1e-12 * max(np.abs(indicator).max(), 1e-300):
+        return np.zeros(len(indicator), dtype=bool)
+    high = indicator > threshold_otsu(indicator)
+    border = border_cells(mesh)
+    share_high, share_low = high[border].mean(), (~high)[border].mean()
+    return high if share_high <= share_low else ~high
+
+
+def dice(a, b) -> float:
+    """2 |a and b| / (|a| + |b|); 1 where both are empty."""
+    total = a.sum() + b.sum()
+    return float(2.0 * (a & b).sum() / total) if total else 1.0
+
+
+def intersection_over_union(a, b) -> float:
+    """|a and b| / |a or b|; 1 where both are empty."""
+    union = (a | b).sum()
+    return float((a & b).sum() / union) if union else 1.0
+
+
+def _boundary(mesh: Mesh, shape):
+    """Midpoints of the cell sides that separate the shape from the rest."""
+    sides = np.sort(mesh.cells[:, [[0, 1], [1, 2], [2, 3], [3, 0]]], axis=-1).reshape(-1, 2)
+    owner = np.repeat(shape, 4)
+    unique, inverse = np.unique(sides, axis=0, return_inverse=True)
+    inside = np.bincount(inverse.ravel(), owner)
+    total = np.bincount(inverse.ravel())
+    return mesh.nodes[unique[(inside == 1) & (total == 2)]].mean(axis=1)
+
+
+def boundary_distance(mesh: Mesh, a, b) -> float:
+    """Mean distance between the outlines of two shapes, symmetric, in the length unit of the mesh."""
+    first, second = _boundary(mesh, a), _boundary(mesh, b)
+    if len(first) == 0 or len(second) == 0:
+        return float("nan")
+    return float(0.5 * (cKDTree(second).query(first)[0].mean() + cKDTree(first).query(second)[0].mean()))
+
+
+def registered_dice(found, shape, X: Float[np.ndarray, "cell 2"]) -> tuple[float, tuple]:
+    """Best Dice score over small shifts and changes of size of the reference shape.
+
+    Args:
+        found: cells of the found inclusion.
+        shape: the reference as a function of unit-square points.
+        X: cell centres in the unit square.
+
+    Returns:
+        (Dice, (shift x, shift y, scale x, scale y)).
+    """
+    best = (dice(found, shape(X) > 0.5), (0.0, 0.0, 1.0, 1.0))
+    values = np.linspace(-REGISTRATION_LIMIT, REGISTRATION_LIMIT, REGISTRATION_STEPS)
+    for dx in values:
+        for dy in values:
+            for sx in 1.0 + values:
+                for sy in 1.0 + values:
+                    moved = (X - 0.5 - (dx, dy)) / (sx, sy) + 0.5
+                    score = dice(found, shape(moved) > 0.5)
+                    if score > best[0]:
+                        best = (score, (float(dx), float(dy), float(sx), float(sy)))
+    return best
+
+
+def most_interior(mesh: Mesh, shape) -> np.ndarray:
+    """For the matrix and the inclusion, the cell farthest from the other one and from the border."""
+    centres = mesh.centres
+    to_border = np.minimum(centres - mesh.lower, mesh.upper - centres).min(axis=1)
+    chosen = []
+    for side in (~shape, shape):
+        distance = to_border.copy()
+        if (~side).any():
+            distance = np.minimum(distance, cKDTree(centres[~side]).query(centres)[0])
+        chosen.append(int(np.argmax(np.where(side, distance, -1.0))))
+    return np.array(chosen)

@@ -1,0 +1,165 @@
+"""Stage 8: the material under which the measured deformation is in equilibrium with the forces."""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Method, Training
+from hypernode.material import node_stress
+from hypernode.mechanics.equilibrium import nodal_force_matrices
+from hypernode.stages.inverse_problem import InverseProblem
+from hypernode.stages.optimisation import minimise
+
+#: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
+DEFAULT_POINTS = 250
+
+
+def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
+    """Squared distance from the nearest equilibrated stress, as a loss of (network, key)."""
+    tests = [
+        (steps, gap, jnp.asarray(problem.loading.resultant[steps], jnp.float32), problem.scale[steps])
+        for steps, gap in problem.gaps()
+    ]
+
+    def loss(network, key):
+        P = problem.stress(network(problem.X).T)
+        total = 0.0
+        for steps, gap, resultant, scale in tests:
+            total += sum(jnp.sum(r**2) for r in gap.residuals(P[:, :, steps], resultant, scale))
+        return settings.equilibrium_weight * total / len(problem.loading.t)
+
+    return loss
+
+
+def _edge_terms(problem: InverseProblem) -> Callable:
+    """Mean squared error of measured resultants and of tractions on free edges, from edge cells.
+
+    The resultant enters through the cells along each edge (``main_loss_function``); only pairs of
+    edge and component that are measured or free contribute.
+    """
+    mesh, loading = problem.mesh, problem.loading
+    low, high = mesh.centres.min(axis=0), mesh.centres.max(axis=0)
+    spacing = np.sqrt(mesh.areas.mean())
+    groups = []
+    for edge, (axis, sign) in enumerate(((0, -1), (0, 1), (1, -1), (1, 1))):
+        on = np.abs(mesh.centres[:, axis] - (high if sign > 0 else low)[axis]) < 0.25 * spacing
+        groups.append((edge, axis, np.flatnonzero(on)))
+
+    def terms(P):
+        total = 0.0
+        for edge, axis, cells in groups:
+            for i in range(2):
+                traction = P[i, axis][:, cells] / problem.scale[:, None]
+                held = loading.constrained[loading.test, edge, i]
+                known = loading.measured[:, i] & held & (axis == i)
+                target = jnp.asarray(loading.P_average[:, i, axis] / loading.scale, jnp.float32)
+                total += jnp.mean(jnp.asarray(known) * (jnp.mean(traction, axis=1) - target) ** 2)
+                total += jnp.mean(jnp.asarray(~held)[:, None] * traction**2)
+        return total
+
+    return terms
+
+
+def strong(problem: InverseProblem, settings: Training) -> Callable:
+    """Mean square of the central-difference divergence at interior nodes, plus edge terms."""
+    mesh = problem.mesh
+    count = np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))
+    interior = np.flatnonzero(count == 4)
+    nodal_area = np.bincount(mesh.cells.ravel(), np.repeat(mesh.areas / 4, 4), len(mesh.nodes))
+    gather = mesh_gather(mesh, interior)
+    edges = _edge_terms(problem)
+    length = problem.length
+
+    def loss(network, key):
+        P = problem.stress(network(problem.X).T)
+        divergence = [gather(P[i]) / nodal_area[interior] for i in range(2)]
+        residual = sum(jnp.mean((d * length / problem.scale[:, None]) ** 2) for d in divergence)
+        return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
+
+    return loss
+
+
+def mesh_gather(mesh, nodes) -> Callable:
+    """Nodal forces at ``nodes`` (all with four cells) as a gather: P[J, step, cell] -> [step, node]."""
+    matrices = [D.tocsr()[nodes] for D in nodal_force_matrices(mesh)]
+    columns = np.stack([row.indices.reshape(len(nodes), 4) for row in (m.sorted_indices() for m in matrices)])
+    values = np.stack([row.data.reshape(len(nodes), 4) for row in (m.sorted_indices() for m in matrices)])
+    weights = jnp.asarray(values, jnp.float32)
+
+    def apply(P):
+        return sum(jnp.sum(P[J][:, columns[J]] * weights[J], axis=-1) for J in range(2))
+
+    return apply
+
+
+def divergence(problem: InverseProblem, network, X, F, dF):
+    """Div P at points by forward-mode derivatives along X and Y.
+
+    (Div P)_i = dP_iX/dX + dP_iY/dY with P not symmetric (equation ``eq:equilibrium``).
+
+    Args:
+        network: hyper-network.
+        X: scaled positions (point, 2).
+        F, dF: deformation gradient [i, J, step, point] and its derivatives along the two *unscaled*
+            coordinates.
+
+    Returns:
+        (divergence[i, step, point], P).
+    """
+    node_params, along = jax.linearize(lambda X: network(X).T, X)
+    unit = jnp.eye(2)
+    dparams = [along(jnp.broadcast_to(unit[k], X.shape)) / problem.length for k in range(2)]
+    P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
+    dP = [tangent(dF[k], dparams[k]) for k in range(2)]
+    return dP[0][:, 0] + dP[1][:, 1], P
+
+
+def autodiff(problem: InverseProblem, settings: Training) -> Callable:
+    """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss."""
+    X = jnp.asarray(problem.mesh.centres, jnp.float32)
+    unit = jnp.eye(2)
+    dF = jnp.stack(
+        [jax.jvp(problem.interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)]
+    )
+    cells = len(X)
+    count = min(settings.points or DEFAULT_POINTS, cells)
+    mesh = problem.mesh
+    border = np.flatnonzero(
+        np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4
+    )
+    edges = _edge_terms(problem)
+
+    def loss(network, key):
+        at = jax.random.choice(key, cells, (count,), replace=False)
+        div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at])
+        residual = jnp.mean(jnp.sum((div * problem.length / problem.scale[:, None]) ** 2, axis=0))
+        P_border = node_stress(problem.node, problem.F[..., border], network(problem.X[border]).T)
+        P = jnp.zeros((*P_border.shape[:-1], cells)).at[..., border].set(P_border)
+        return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
+
+    return loss
+
+
+LOSSES = {"equilibrated": equilibrated, "strong": strong, "autodiff": autodiff}
+
+
+def run(method: Method, name: str, parents: list[str], output: str, attributes: dict) -> None:
+    """Train the hyper-network on equilibrium and resultants (equation ``main_loss_function``).
+
+    Args:
+        parents: measurement, interpolant, homogenised and pre-trained files.
+    """
+    problem = InverseProblem.load(method, name, *parents[:3])
+    params, apply = problem.trainable(parents[3])
+    settings = method.training
+    physics = LOSSES[settings.equilibrium](problem, settings)
+
+    def loss(params, key):
+        network = apply(params)
+        departure = problem.node.departure(network(problem.X).T, problem.centre)
+        return physics(network, key) + method.prior_weight * departure
+
+    params, *history = minimise(loss, params, settings, stage="main training", case=name, seed=method.seed)
+    problem.save(output, apply(params), history, "identified material", attributes, parents)

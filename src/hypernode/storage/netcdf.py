@@ -1,0 +1,167 @@
+"""The one place that writes and reads data files."""
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from hypernode.storage.schema import DIMS, VARIABLES
+
+#: Units of a synthetic test: a unit square of unit thickness.
+SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
+#: Units of a real test.
+EXPERIMENT_UNITS = {"length": "mm", "stress": "MPa", "force": "N", "energy": "MPa"}
+
+
+class StorageError(RuntimeError):
+    """A data file is missing, damaged or breaks the schema; the message names file and variable."""
+
+
+def sha256(path: str | Path) -> str:
+    """Hexadecimal SHA-256 of a file's bytes."""
+    with open(path, "rb") as handle:
+        return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def check_schema(dataset: xr.Dataset, where: str = "dataset") -> None:
+    """Check names and dimensions against the schema.
+
+    Raises:
+        StorageError: a variable is unknown, has other dimensions than the schema says, or holds an
+            infinity.
+    """
+    for name, variable in dataset.variables.items():
+        if "." in name:
+            continue
+        if name not in VARIABLES:
+            raise StorageError(f"{where}: variable '{name}' is not in the storage schema")
+        wanted = VARIABLES[name].dims
+        if tuple(variable.dims) != wanted:
+            raise StorageError(f"{where}: {name}: dimensions {variable.dims}, the schema says {wanted}")
+        if variable.dtype.kind == "f" and np.isinf(variable.values).any():
+            raise StorageError(f"{where}: {name}: holds an infinity")
+
+
+def write(
+    path: str | Path,
+    variables: Mapping[str, object],
+    title: str,
+    attributes: Mapping[str, object],
+    parents: Iterable[str | Path] = (),
+) -> None:
+    """Write a NetCDF file atomically: temporary file, reopened and checked, synced, renamed.
+
+    The bytes depend on the content alone: no time, host or process goes inside.
+
+    Args:
+        path: where to; the folder is created.
+        variables: name -> array with the dimensions of the schema, or (dims, array) for weights.
+        title: what the file holds.
+        attributes: global attributes; anything but text and numbers is stored as JSON. ``units``
+            must hold the units that the schema's words stand for.
+        parents: files it was computed from, recorded with their SHA-256.
+
+    Raises:
+        StorageError: the content breaks the schema or the disk refuses it. No file is left behind.
+    """
+    path = Path(path)
+    units = attributes["units"]
+    data = {}
+    for name, value in variables.items():
+        if "." in name:
+            dims, array = value
+            data[name] = (dims, np.asarray(array), {"units": "1", "long_name": f"network weights {name}"})
+        else:
+            entry = VARIABLES.get(name)
+            if entry is None:
+                raise StorageError(f"{path}: variable '{name}' is not in the storage schema")
+            described = {"units": units.get(entry.unit, entry.unit), "long_name": entry.long_name}
+            data[name] = (entry.dims, np.asarray(value), described)
+    dataset = xr.Dataset(data)
+    dataset.attrs = {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": "hypernode",
+        "references": "arXiv: Fully data-driven inverse hyperelasticity with hyper-network neural ODE fields",
+        "parents": json.dumps({str(p): sha256(p) for p in parents}, sort_keys=True),
+    }
+    for key, value in attributes.items():
+        simple = isinstance(value, (str, int, float)) and not isinstance(value, bool)
+        dataset.attrs[key] = value if simple else json.dumps(value, sort_keys=True)
+    check_schema(dataset, str(path))
+    write_bytes_atomically(path, lambda temporary: _store(dataset, temporary))
+
+
+def _store(dataset: xr.Dataset, temporary: Path) -> None:
+    packing = {
+        name: {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True, "_FillValue": None}
+        for name, variable in dataset.variables.items()
+        if variable.ndim
+    }
+    dataset.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=packing)
+    with xr.open_dataset(temporary, engine="netcdf4", decode_times=False) as again:
+        for name in dataset.variables:
+            if not np.array_equal(again[name].values, dataset[name].values, equal_nan=again[name].dtype.kind == "f"):
+                raise StorageError(f"{temporary}: {name}: reads back differently from what was written")
+
+
+def write_bytes_atomically(path: str | Path, store) -> None:
+    """Call ``store(temporary path)`` beside ``path``, sync it to disk and rename it into place."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp{path.suffix}")
+    try:
+        store(temporary)
+        with open(temporary, "rb+") as handle:
+            os.fsync(handle.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        raise StorageError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            temporary.unlink()
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Read a data file into memory, after checking its parents where they still exist.
+
+    Raises:
+        StorageError: the file is missing, damaged, breaks the schema, or one of its parents has
+            changed since.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise StorageError(f"{path}: no such file")
+    try:
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
+            names = list(opened.variables)
+            dataset = xr.Dataset(attrs=opened.attrs)
+            for name in names:
+                try:
+                    dataset[name] = opened[name].load()
+                except (OSError, RuntimeError, ValueError) as error:
+                    raise StorageError(f"{path}: variable '{name}' is damaged: {error}") from error
+    except StorageError:
+        raise
+    except (OSError, RuntimeError, ValueError, KeyError) as error:
+        raise StorageError(f"{path}: damaged or not a NetCDF file: {error}") from error
+    check_schema(dataset, str(path))
+    for parent, digest in json.loads(dataset.attrs.get("parents", "{}")).items():
+        if Path(parent).is_file() and sha256(parent) != digest:
+            raise StorageError(
+                f"{path}: its parent {parent} is not the file it was computed from (changed or damaged)"
+            )
+    return dataset
+
+
+def units_of(dataset: xr.Dataset) -> dict[str, str]:
+    """The units that the words ``length``, ``stress``, ``force`` and ``energy`` stand for in a file."""
+    return json.loads(dataset.attrs["units"])
+
+
+__all__ = ["DIMS", "EXPERIMENT_UNITS", "SYNTHETIC_UNITS", "StorageError", "read", "sha256", "units_of", "write"]

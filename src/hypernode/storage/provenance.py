@@ -1,0 +1,71 @@
+"""Which code, versions and parameters a file came from."""
+
+import ast
+import hashlib
+import importlib.metadata
+import json
+from functools import lru_cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[1]
+#: Packages whose version can change a number.
+RECORDED = ("jax", "jaxlib", "flax", "optax", "jax-fem", "fenics-basix", "numpy", "scipy", "xarray", "netCDF4")
+
+
+@lru_cache(maxsize=None)
+def imported_modules(source: Path) -> frozenset[Path]:
+    """Modules of this package that a Python file imports, anywhere in it, directly or not."""
+    found = set()
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+        for name in names:
+            parts = name.split(".")
+            if parts[0] != PACKAGE.name:
+                continue
+            for candidate in (
+                PACKAGE.joinpath(*parts[1:]).with_suffix(".py"),
+                PACKAGE.joinpath(*parts[1:], "__init__.py"),
+            ):
+                if candidate.is_file():
+                    found.add(candidate)
+    return frozenset(found)
+
+
+def modules_used(script: Path) -> list[Path]:
+    """A script and every module of the package that it reaches, in a fixed order."""
+    reached, todo = set(), [Path(script).resolve()]
+    while todo:
+        path = todo.pop()
+        if path not in reached:
+            reached.add(path)
+            todo.extend(imported_modules(path))
+    return sorted(reached)
+
+
+def code_hash(script: str | Path) -> str:
+    """SHA-256 over the script and every module of the package that it imports."""
+    digest = hashlib.sha256()
+    for path in modules_used(Path(script)):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that can change a number."""
+    return {name: importlib.metadata.version(name) for name in RECORDED}
+
+
+def describe(rule: str, wildcards: dict, settings, code: str) -> dict:
+    """Attributes of a result file: the rule, its wildcards and parameters, code and versions."""
+    return {
+        "rule": rule,
+        "run": dict(wildcards),
+        "settings": json.dumps(settings, sort_keys=True),
+        "code": code,
+        "versions": versions(),
+    }

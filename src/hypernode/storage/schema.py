@@ -1,0 +1,118 @@
+"""Names, units and meaning of every variable and dimension that the project stores."""
+
+from dataclasses import dataclass
+
+#: Dimension -> what one index along it is.
+DIMS = {
+    "load_step": "one equilibrium state; the steps of several tests follow one another",
+    "repeat": "one measurement of the same test",
+    "node": "a grid point where displacement is measured or computed",
+    "cell": "a quadrilateral of four neighbouring grid points",
+    "vertex": "the four nodes of a cell, counter-clockwise from the lower left",
+    "quadrature_point": "a 2 x 2 Gauss point of a cell",
+    "edge": "left, right, bottom, top",
+    "test": "one load case",
+    "i": "spatial component, x then y",
+    "J": "material component, X then Y",
+    "seed": "one random initialisation",
+    "iteration": "optimiser step at which the loss was recorded",
+    "mode": "prescribed homogeneous deformation used to judge",
+    "stretch_index": "stretch at which a mode is judged",
+    "curve_point": "sample along a stress-stretch curve",
+    "location": "point of the sheet at which a curve is drawn",
+    "corner": "lower left, then upper right",
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """How a stored variable is described.
+
+    ``unit`` is a literal unit, or one of the words ``length``, ``stress``, ``force`` and ``energy``,
+    which each file replaces by its own (synthetic tests: 1, Pa; experiments: mm, MPa, N).
+    """
+
+    dims: tuple[str, ...]
+    unit: str
+    long_name: str
+
+
+_FIELD = ("load_step", "cell", "quadrature_point")
+_TENSOR = ("load_step", "cell", "i", "J")
+#: Every stored variable. A file may hold any subset of them; weights of networks are named
+#: ``<network>.<path>`` and carry dimensions of their own.
+VARIABLES = {
+    # grid
+    "X": Variable(("node", "i"), "length", "reference position of the nodes"),
+    "cells": Variable(("cell", "vertex"), "1", "node numbers of each cell"),
+    "corners": Variable(("corner", "i"), "length", "bounding rectangle of the sheet"),
+    "phase": Variable(("cell",), "1", "index of the material phase, -1 unknown"),
+    "model": Variable(("cell",), "1", "index of the material model in the attribute models"),
+    # loading
+    "test": Variable(("load_step",), "1", "load case of each step"),
+    "stretch": Variable(("load_step",), "1", "edge stretch that names the step"),
+    "H": Variable(("load_step", "i", "J"), "1", "displacement gradient of the bounding rectangle"),
+    "time": Variable(("load_step",), "s", "time since the start of the test"),
+    "edge_force": Variable(
+        ("load_step", "edge", "i"), "force", "outward resultant on each edge; NaN where not measured"
+    ),
+    "edge_constrained": Variable(
+        ("load_step", "edge", "i"), "1", "1 where the edge displacement is prescribed, 0 where it is free"
+    ),
+    "newton_residual": Variable(("load_step",), "1", "free residual over reaction norm at convergence"),
+    # fields
+    "u": Variable(("load_step", "node", "i"), "length", "displacement"),
+    "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),
+    "u_truth": Variable(("load_step", "node", "i"), "length", "displacement without noise"),
+    "X_quadrature": Variable(("cell", "quadrature_point", "i"), "length", "quadrature points"),
+    "F": Variable(_TENSOR, "1", "deformation gradient at the cell centres"),
+    "F_quadrature": Variable((*_FIELD, "i", "J"), "1", "deformation gradient at the quadrature points"),
+    "P_quadrature": Variable((*_FIELD, "i", "J"), "stress", "first Piola-Kirchhoff stress at the quadrature points"),
+    "F_truth": Variable(_TENSOR, "1", "deformation gradient without noise, at the cell centres"),
+    "F_interpolated": Variable(_TENSOR, "1", "deformation gradient of the interpolant, at the cell centres"),
+    "snr": Variable(("load_step",), "dB", "signal-to-noise ratio of F, equation eq:SNR of the paper"),
+    "t": Variable(("load_step",), "1", "load parameter of the interpolant, 1 at the last step of a test"),
+    "amplitude": Variable(("load_step",), "1", "root mean square of F - I"),
+    "misfit": Variable(("load_step",), "1", "relative L2 misfit of the interpolant, of F - I"),
+    # training
+    "loss": Variable(("iteration",), "1", "training loss"),
+    "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
+    "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
+    "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
+    "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),
+    # evaluation
+    "mode_F": Variable(("mode", "stretch_index", "i", "J"), "1", "prescribed common deformation gradient"),
+    "stress_error": Variable(("mode", "stretch_index"), "1", "relative L2 error of P at common F"),
+    "stress_error_phase": Variable(
+        ("phase_index", "mode", "stretch_index"), "1", "relative L2 error of P at common F by phase"
+    ),
+    "P_identified": Variable(
+        ("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"
+    ),
+    "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
+    "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
+    "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
+    "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
+    "curve_stretch": Variable(("curve_point",), "1", "stretch along the curves"),
+    "curve_identified": Variable(
+        ("location", "curve_point", "i"), "stress", "identified normal stresses P_xX and P_yY"
+    ),
+    "curve_true": Variable(("location", "curve_point", "i"), "stress", "true normal stresses P_xX and P_yY"),
+    "curve_location": Variable(("location", "i"), "length", "where the curves are drawn"),
+    "edge_force_identified": Variable(
+        ("load_step", "edge", "i"), "force", "edge resultant of the identified stress"
+    ),
+    "edge_force_error": Variable(("load_step",), "1", "largest relative error of a measured resultant"),
+    "equilibrium_residual": Variable(
+        ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces"
+    ),
+    "equilibrium_gap": Variable(
+        ("load_step",), "1", "relative distance of P from the nearest equilibrated stress"
+    ),
+    "P_field": Variable(
+        ("load_step", "cell", "i", "J"), "stress", "identified P at the measured deformation, cell mean"
+    ),
+    "P_field_true": Variable(
+        ("load_step", "cell", "i", "J"), "stress", "true P at the true deformation, cell mean"
+    ),
+}

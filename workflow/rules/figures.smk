@@ -1,0 +1,46 @@
+rule figure:
+    input:
+        unpack(lambda w: figure_inputs(CONFIG, w.figure)),
+    output:
+        pdf=report(
+            "results/figures/{figure}.pdf",
+            caption="../report/identification.rst",
+            category="Figures",
+            labels={"figure": "{figure}", "format": "PDF"},
+        ),
+        png=report(
+            "results/figures/{figure}.png",
+            caption="../report/identification.rst",
+            category="Figures",
+            labels={"figure": "{figure}", "format": "PNG"},
+        ),
+    params:
+        code=CODE["figure"],
+        settings=lambda w: FIGURES[w.figure].model_dump(mode="json"),
+    log:
+        "results/logs/figures/{figure}.log",
+    benchmark:
+        "results/benchmarks/figures/{figure}.jsonl"
+    script:
+        "../scripts/figure.py"
+
+
+rule summary:
+    input:
+        [f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+    output:
+        csv=report(
+            "results/tables/summary.csv",
+            caption="../report/summary.rst",
+            category="Tables",
+            labels={"table": "summary of all runs", "format": "CSV"},
+        ),
+        markdown="results/tables/summary.md",
+    params:
+        code=CODE["summary"],
+    log:
+        "results/logs/tables/summary.log",
+    benchmark:
+        "results/benchmarks/tables/summary.jsonl"
+    script:
+        "../scripts/summary.py"

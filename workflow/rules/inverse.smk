@@ -1,0 +1,71 @@
+rule homogenised:
+    input:
+        "results/{case}/measurement.nc",
+        "results/{case}/{method}/interpolant.nc",
+    output:
+        ensure("results/{case}/{method}/homogenised.nc", non_empty=True),
+    params:
+        code=CODE["homogenised"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("node", "homogenised", "seed")),
+    log:
+        "results/logs/{case}/{method}/homogenised.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/homogenised.jsonl"
+    script:
+        "../scripts/homogenised.py"
+
+
+rule initialisation:
+    input:
+        "results/{case}/measurement.nc",
+        "results/{case}/{method}/interpolant.nc",
+        "results/{case}/{method}/homogenised.nc",
+    output:
+        ensure("results/{case}/{method}/initialised.nc", non_empty=True),
+    params:
+        code=CODE["initialisation"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "initialisation", "seed")),
+    log:
+        "results/logs/{case}/{method}/initialisation.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/initialisation.jsonl"
+    script:
+        "../scripts/initialisation.py"
+
+
+rule pretraining:
+    input:
+        "results/{case}/measurement.nc",
+        "results/{case}/{method}/interpolant.nc",
+        "results/{case}/{method}/homogenised.nc",
+        "results/{case}/{method}/initialised.nc",
+    output:
+        ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
+    params:
+        code=CODE["pretraining"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "pretraining", "prior_weight", "seed")),
+    log:
+        "results/logs/{case}/{method}/pretraining.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/pretraining.jsonl"
+    script:
+        "../scripts/pretraining.py"
+
+
+rule training:
+    input:
+        "results/{case}/measurement.nc",
+        "results/{case}/{method}/interpolant.nc",
+        "results/{case}/{method}/homogenised.nc",
+        "results/{case}/{method}/pretrained.nc",
+    output:
+        ensure("results/{case}/{method}/material.nc", non_empty=True),
+    params:
+        code=CODE["training"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "training", "prior_weight", "seed")),
+    log:
+        "results/logs/{case}/{method}/training.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/training.jsonl"
+    script:
+        "../scripts/training.py"

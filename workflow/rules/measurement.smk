@@ -1,0 +1,34 @@
+rule measurement:
+    input:
+        "results/{case}/forward.nc",
+    output:
+        ensure("results/{case}/measurement.nc", non_empty=True),
+    params:
+        code=CODE["measurement"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("noise",), keys=("noise",)),
+    wildcard_constraints:
+        case="|".join(map(re.escape, SYNTHETIC)) or "none",
+    log:
+        "results/logs/{case}/measurement.log",
+    benchmark:
+        "results/benchmarks/{case}/measurement.jsonl"
+    script:
+        "../scripts/measurement.py"
+
+
+rule import_dic:
+    input:
+        lambda w: specimen_files(CONFIG, w.case),
+    output:
+        ensure("results/{case}/measurement.nc", non_empty=True),
+    params:
+        code=CODE["import_dic"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("specimens",), keys=("specimen",)),
+    wildcard_constraints:
+        case="|".join(map(re.escape, REAL)) or "none",
+    log:
+        "results/logs/{case}/import_dic.log",
+    benchmark:
+        "results/benchmarks/{case}/import_dic.jsonl"
+    script:
+        "../scripts/import_dic.py"

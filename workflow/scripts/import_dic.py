@@ -1,0 +1,14 @@
+"""Stage 2 for a real test: import of a DIC folder."""
+
+from hypernode.config import from_slice
+from hypernode.runtime import job
+
+with job(snakemake) as attributes:  # noqa: F821
+    from hypernode.stages import import_dic
+
+    import_dic.run(
+        from_slice(snakemake.params.settings),  # noqa: F821
+        snakemake.wildcards.case,  # noqa: F821
+        snakemake.output[0],  # noqa: F821
+        attributes,
+    )

@@ -1,0 +1,8 @@
+"""The table of every run."""
+
+from hypernode.runtime import job
+
+with job(snakemake):  # noqa: F821
+    from hypernode.figures import summary
+
+    summary.write_tables(list(snakemake.input), snakemake.output.csv, snakemake.output.markdown)  # noqa: F821
