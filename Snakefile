@@ -25,7 +25,7 @@ container: "docker://python:3.11"
 
 # A configuration given on the command line replaces the default one instead of being merged into
 # it: a smoke run must not run the paper's cases as well.
-CONFIG_FILE = [*workflow.overwrite_configfiles, workflow.source_path("config/config.yaml")][0]
+CONFIG_FILE = [*workflow.overwrite_configfiles, Path(workflow.basedir) / "config" / "config.yaml"][0]
 try:
     CONFIG = load_config(CONFIG_FILE)
 except ConfigError as error:

@@ -387,6 +387,10 @@ class _UniqueKeyLoader(yaml.SafeLoader):
     def construct_mapping(self, node, deep=False):
         seen = set()
         for key_node, _ in node.value:
+            # Entries merged in by '<<' come from elsewhere in the file and may be overridden.
+            own = node.start_mark.index <= key_node.start_mark.index < node.end_mark.index
+            if not own or key_node.tag == "tag:yaml.org,2002:merge":
+                continue
             key = self.construct_object(key_node, deep=True)
             if key in seen:
                 raise yaml.constructor.ConstructorError(
