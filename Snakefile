@@ -25,7 +25,10 @@ container: "docker://python:3.11"
 
 # A configuration given on the command line replaces the default one instead of being merged into
 # it: a smoke run must not run the paper's cases as well.
-CONFIG_FILE = [*workflow.overwrite_configfiles, Path(workflow.basedir) / "config" / "config.yaml"][0]
+CONFIG_FILE = [
+    *workflow.overwrite_configfiles,
+    Path(workflow.basedir) / "config" / "config.yaml",
+][0]
 try:
     CONFIG = load_config(CONFIG_FILE)
 except ConfigError as error:
@@ -63,6 +66,10 @@ rule all:
     default_target: True
     input:
         [f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
-        [f"results/figures/{figure}.{kind}" for figure in FIGURES for kind in ("pdf", "png")],
+        [
+            f"results/figures/{figure}.{kind}"
+            for figure in FIGURES
+            for kind in ("pdf", "png")
+        ],
         "results/tables/summary.csv",
         "results/tables/summary.md",

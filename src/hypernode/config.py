@@ -104,9 +104,7 @@ class Uniform(Section):
     shape: Literal["uniform"]
 
 
-Geometry = Annotated[
-    Union[Glyph, Ellipse, Disc, Ring, Image, Gradient, Uniform], Field(discriminator="shape")
-]
+Geometry = Annotated[Union[Glyph, Ellipse, Disc, Ring, Image, Gradient, Uniform], Field(discriminator="shape")]
 
 
 class Material(Section):
@@ -199,7 +197,9 @@ class Node(Section):
         if len(set(self.terms)) != len(self.terms):
             raise ValueError("a term is listed twice")
         if "I1" not in self.terms and "I2" not in self.terms:
-            raise ValueError("terms need I1 or I2: a material without an isotropic part has no stiffness across its fibres")
+            raise ValueError(
+                "terms need I1 or I2: a material without an isotropic part has no stiffness across its fibres"
+            )
         return self
 
 
@@ -209,11 +209,14 @@ class Training(Optimiser):
     ``equilibrium`` names how the residual is formed and measured: ``strong`` (finite-difference
     divergence on the measured grid) or ``autodiff`` (exact derivative of the interpolated fields),
     both as mean squares at points; or ``equilibrated`` (distance from the nearest equilibrated stress).
+    ``uniformity_weight`` keeps the target of the pre-training as a weak prior, which decides among the
+    stress fields that one noisy test cannot tell apart.
     """
 
     equilibrium: Literal["strong", "autodiff", "equilibrated"] = "equilibrated"
     equilibrium_weight: NonNegative = 1.0
     force_weight: NonNegative = 1.0
+    uniformity_weight: NonNegative = 0.0
 
 
 class Method(Section):
@@ -377,7 +380,7 @@ def _references(config: Config):
 
 
 def _near(value, allowed) -> str:
-    near = difflib.get_close_matches(str(value), [str(a) for a in allowed], 1)
+    near = difflib.get_close_matches(str(value), [str(a) for a in allowed], 1, cutoff=0.5)
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
@@ -433,7 +436,8 @@ def _describe(error, root, source) -> str:
     if kind in ("literal_error", "union_tag_invalid"):
         allowed = re.findall(r"'([^']*)'", str(context.get("expected", context.get("expected_tags", ""))))
         given = context.get("tag", value)
-        return f"{where}: {key}{shown if kind == 'literal_error' else f'.shape = {given!r}'}: not allowed{_near(given, allowed)}\n    allowed: {', '.join(allowed)}"
+        at = f"{key}{shown}" if kind == "literal_error" else f"{key}.shape = {given!r}"
+        return f"{where}: {at}: not allowed{_near(given, allowed)}\n    allowed: {', '.join(allowed)}"
     if kind == "missing":
         message = "this key is required"
     return f"{where}: {key}{shown}: {message[0].lower() + message[1:]}"
@@ -528,9 +532,8 @@ def check_config(raw, source="config", root=None) -> Config:
         if name not in names:
             line = _line(root, at.split("."))
             where = f"{source}:{line}" if line else str(source)
-            raise ConfigError(
-                f"{where}: {at} = {name!r}: no such entry in {section}{_near(name, names)}\n    allowed: {', '.join(names) or '(none)'}"
-            )
+            hint = f"{_near(name, names)}\n    allowed: {', '.join(names) or '(none)'}"
+            raise ConfigError(f"{where}: {at} = {name!r}: no such entry in {section}{hint}")
     for name, case in cases.items():
         if not case.methods:
             raise ConfigError(f"{source}: cases.{name}.methods: list at least one method ({', '.join(config.methods)})")

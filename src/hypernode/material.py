@@ -38,7 +38,9 @@ class Material:
     """
 
     def __init__(self, params_at, stress, energy, units: dict[str, str]):
-        self._params_at, self._stress, self._energy, self.units = params_at, stress, energy, units
+        self._params_at, self.units = params_at, units
+        self._stress, self._energy = jax.jit(stress), jax.jit(energy)
+        self._tangent = jax.jit(lambda F, params: _tangent(stress, F, params))
 
     @staticmethod
     def _check(X, F):
@@ -65,14 +67,17 @@ class Material:
     def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, "n 2 2 2 2"]:
         """dP_iJ/dF_kL as [n, i, J, k, L]; arguments as in :meth:`energy`."""
         X, F = self._check(X, F)
-        params = self._params_at(X)
-        columns = []
-        for k in range(2):
-            for L in range(2):
-                direction = jnp.zeros_like(F).at[k, L].set(1.0)
-                columns.append(jax.jvp(lambda F: self._stress(F, params), (F,), (direction,))[1])
-        stacked = jnp.stack(columns).reshape(2, 2, *columns[0].shape)
-        return jnp.moveaxis(stacked, (4, 2, 3, 0, 1), (0, 1, 2, 3, 4))
+        return jnp.moveaxis(self._tangent(F, self._params_at(X)), (4, 2, 3, 0, 1), (0, 1, 2, 3, 4))
+
+
+def _tangent(stress, F, params):
+    """dP_iJ/dF_kL as [k, L, i, J, n], by one forward derivative for each of the four directions."""
+    columns = [
+        jax.jvp(lambda F: stress(F, params), (F,), (jnp.zeros_like(F).at[k, L].set(1.0),))[1]
+        for k in range(2)
+        for L in range(2)
+    ]
+    return jnp.stack(columns).reshape(2, 2, *columns[0].shape)
 
 
 def _closed_form(file: xr.Dataset) -> Material:
@@ -98,7 +103,9 @@ def _closed_form(file: xr.Dataset) -> Material:
 
 def parameter_field(file: xr.Dataset):
     """(material, X -> node_params[size, point]) of a file that holds a hyper-network."""
-    material = NodeMaterial(**{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()})
+    material = NodeMaterial(
+        **{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()}
+    )
     settings = Frequencies.model_validate_json(file.attrs["hypernetwork"])
     network = from_arrays(make_network(settings, 0, material.size, 0), file, "hypernetwork")
     lower = jnp.asarray(file["corners"].values[0], jnp.float32)

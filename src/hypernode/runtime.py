@@ -34,7 +34,7 @@ def claim_cores(count: int) -> list[int]:
         if len(chosen) == count:
             break
         path = Path(tempfile.gettempdir()) / f"hypernode-{os.getuid()}-cpu{cpu}.lock"
-        handle = open(path, "w")  # noqa: SIM115 - held until exit
+        handle = open(path, "w")
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -96,7 +96,7 @@ def job(snakemake, float64: bool = False):
     die_with_parent()
     claim_cores(snakemake.threads)
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
-    log = open(str(snakemake.log[0]), "w", buffering=1)  # noqa: SIM115 - closed at exit
+    log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
     import jax
 

@@ -7,6 +7,10 @@ rule evaluation:
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/evaluation.nc", non_empty=True),
+    log:
+        "results/logs/{case}/{method}/evaluation.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/evaluation.jsonl"
     params:
         code=CODE["evaluation"],
         settings=lambda w: slice_for(
@@ -15,9 +19,5 @@ rule evaluation:
             ("loads", "specimens"),
             keys=("loads", "specimen", "judged_stretches"),
         ),
-    log:
-        "results/logs/{case}/{method}/evaluation.log",
-    benchmark:
-        "results/benchmarks/{case}/{method}/evaluation.jsonl"
     script:
         "../scripts/evaluation.py"

@@ -14,13 +14,13 @@ rule figure:
             category="Figures",
             labels={"figure": "{figure}", "format": "PNG"},
         ),
-    params:
-        code=CODE["figure"],
-        settings=lambda w: FIGURES[w.figure].model_dump(mode="json"),
     log:
         "results/logs/figures/{figure}.log",
     benchmark:
         "results/benchmarks/figures/{figure}.jsonl"
+    params:
+        code=CODE["figure"],
+        settings=lambda w: FIGURES[w.figure].model_dump(mode="json"),
     script:
         "../scripts/figure.py"
 
@@ -36,11 +36,11 @@ rule summary:
             labels={"table": "summary of all runs", "format": "CSV"},
         ),
         markdown="results/tables/summary.md",
-    params:
-        code=CODE["summary"],
     log:
         "results/logs/tables/summary.log",
     benchmark:
         "results/benchmarks/tables/summary.jsonl"
+    params:
+        code=CODE["summary"],
     script:
         "../scripts/summary.py"

@@ -1,6 +1,10 @@
 rule true_material:
     output:
         ensure("results/{case}/true_material.nc", non_empty=True),
+    log:
+        "results/logs/{case}/true_material.log",
+    benchmark:
+        "results/benchmarks/{case}/true_material.jsonl"
     params:
         code=CODE["true_material"],
         settings=lambda w: slice_for(
@@ -9,10 +13,6 @@ rule true_material:
             ("geometries", "materials"),
             keys=("geometry", "inclusion", "matrix", "cells", "size"),
         ),
-    log:
-        "results/logs/{case}/true_material.log",
-    benchmark:
-        "results/benchmarks/{case}/true_material.jsonl"
     script:
         "../scripts/true_material.py"
 
@@ -22,12 +22,12 @@ rule forward:
         "results/{case}/true_material.nc",
     output:
         ensure("results/{case}/forward.nc", non_empty=True),
-    params:
-        code=CODE["forward"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("loads",)),
     log:
         "results/logs/{case}/forward.log",
     benchmark:
         "results/benchmarks/{case}/forward.jsonl"
+    params:
+        code=CODE["forward"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("loads",)),
     script:
         "../scripts/forward.py"

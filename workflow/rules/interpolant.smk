@@ -3,13 +3,13 @@ rule gradient:
         "results/{case}/measurement.nc",
     output:
         ensure("results/{case}/{method}/gradient.nc", non_empty=True),
-    params:
-        code=CODE["gradient"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("gradient",)),
     log:
         "results/logs/{case}/{method}/gradient.log",
     benchmark:
         "results/benchmarks/{case}/{method}/gradient.jsonl"
+    params:
+        code=CODE["gradient"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("gradient",)),
     script:
         "../scripts/gradient.py"
 
@@ -19,12 +19,12 @@ rule interpolant:
         "results/{case}/{method}/gradient.nc",
     output:
         ensure("results/{case}/{method}/interpolant.nc", non_empty=True),
-    params:
-        code=CODE["interpolant"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("interpolant", "seed")),
     log:
         "results/logs/{case}/{method}/interpolant.log",
     benchmark:
         "results/benchmarks/{case}/{method}/interpolant.jsonl"
+    params:
+        code=CODE["interpolant"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("interpolant", "seed")),
     script:
         "../scripts/interpolant.py"

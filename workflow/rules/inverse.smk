@@ -4,13 +4,15 @@ rule homogenised:
         "results/{case}/{method}/interpolant.nc",
     output:
         ensure("results/{case}/{method}/homogenised.nc", non_empty=True),
-    params:
-        code=CODE["homogenised"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("node", "homogenised", "seed")),
     log:
         "results/logs/{case}/{method}/homogenised.log",
     benchmark:
         "results/benchmarks/{case}/{method}/homogenised.jsonl"
+    params:
+        code=CODE["homogenised"],
+        settings=lambda w: method_settings(
+            CONFIG, w.method, ("node", "homogenised", "seed")
+        ),
     script:
         "../scripts/homogenised.py"
 
@@ -22,13 +24,15 @@ rule initialisation:
         "results/{case}/{method}/homogenised.nc",
     output:
         ensure("results/{case}/{method}/initialised.nc", non_empty=True),
-    params:
-        code=CODE["initialisation"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "initialisation", "seed")),
     log:
         "results/logs/{case}/{method}/initialisation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/initialisation.jsonl"
+    params:
+        code=CODE["initialisation"],
+        settings=lambda w: method_settings(
+            CONFIG, w.method, ("hypernetwork", "initialisation", "seed")
+        ),
     script:
         "../scripts/initialisation.py"
 
@@ -41,13 +45,15 @@ rule pretraining:
         "results/{case}/{method}/initialised.nc",
     output:
         ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
-    params:
-        code=CODE["pretraining"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "pretraining", "prior_weight", "seed")),
     log:
         "results/logs/{case}/{method}/pretraining.log",
     benchmark:
         "results/benchmarks/{case}/{method}/pretraining.jsonl"
+    params:
+        code=CODE["pretraining"],
+        settings=lambda w: method_settings(
+            CONFIG, w.method, ("hypernetwork", "pretraining", "prior_weight", "seed")
+        ),
     script:
         "../scripts/pretraining.py"
 
@@ -60,12 +66,14 @@ rule training:
         "results/{case}/{method}/pretrained.nc",
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
-    params:
-        code=CODE["training"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("hypernetwork", "training", "prior_weight", "seed")),
     log:
         "results/logs/{case}/{method}/training.log",
     benchmark:
         "results/benchmarks/{case}/{method}/training.jsonl"
+    params:
+        code=CODE["training"],
+        settings=lambda w: method_settings(
+            CONFIG, w.method, ("hypernetwork", "training", "prior_weight", "seed")
+        ),
     script:
         "../scripts/training.py"

@@ -3,15 +3,15 @@ rule measurement:
         "results/{case}/forward.nc",
     output:
         ensure("results/{case}/measurement.nc", non_empty=True),
-    params:
-        code=CODE["measurement"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("noise",), keys=("noise",)),
-    wildcard_constraints:
-        case="|".join(map(re.escape, SYNTHETIC)) or "none",
     log:
         "results/logs/{case}/measurement.log",
     benchmark:
         "results/benchmarks/{case}/measurement.jsonl"
+    wildcard_constraints:
+        case="|".join(map(re.escape, SYNTHETIC)) or "none",
+    params:
+        code=CODE["measurement"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("noise",), keys=("noise",)),
     script:
         "../scripts/measurement.py"
 
@@ -21,14 +21,14 @@ rule import_dic:
         lambda w: specimen_files(CONFIG, w.case),
     output:
         ensure("results/{case}/measurement.nc", non_empty=True),
-    params:
-        code=CODE["import_dic"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("specimens",), keys=("specimen",)),
-    wildcard_constraints:
-        case="|".join(map(re.escape, REAL)) or "none",
     log:
         "results/logs/{case}/import_dic.log",
     benchmark:
         "results/benchmarks/{case}/import_dic.jsonl"
+    wildcard_constraints:
+        case="|".join(map(re.escape, REAL)) or "none",
+    params:
+        code=CODE["import_dic"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("specimens",), keys=("specimen",)),
     script:
         "../scripts/import_dic.py"

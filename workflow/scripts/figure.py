@@ -2,11 +2,11 @@
 
 from hypernode.runtime import job
 
-with job(snakemake):  # noqa: F821
+with job(snakemake):
     from hypernode.figures import identification
 
     identification.draw(
-        dict(snakemake.input),  # noqa: F821
-        {"pdf": snakemake.output.pdf, "png": snakemake.output.png},  # noqa: F821
-        snakemake.params.settings["step"],  # noqa: F821
+        dict(snakemake.input),
+        {"pdf": snakemake.output.pdf, "png": snakemake.output.png},
+        snakemake.params.settings["step"],
     )

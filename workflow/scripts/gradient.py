@@ -2,13 +2,13 @@
 
 from hypernode.runtime import job
 
-with job(snakemake) as attributes:  # noqa: F821
+with job(snakemake) as attributes:
     from hypernode.stages import gradient
 
     gradient.run(
-        snakemake.params.settings["gradient"],  # noqa: F821
-        snakemake.wildcards.case,  # noqa: F821
-        snakemake.input[0],  # noqa: F821
-        snakemake.output[0],  # noqa: F821
+        snakemake.params.settings["gradient"],
+        snakemake.wildcards.case,
+        snakemake.input[0],
+        snakemake.output[0],
         attributes,
     )

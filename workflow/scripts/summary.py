@@ -2,7 +2,7 @@
 
 from hypernode.runtime import job
 
-with job(snakemake):  # noqa: F821
+with job(snakemake):
     from hypernode.figures import summary
 
-    summary.write_tables(list(snakemake.input), snakemake.output.csv, snakemake.output.markdown)  # noqa: F821
+    summary.write_tables(list(snakemake.input), snakemake.output.csv, snakemake.output.markdown)

@@ -3,13 +3,13 @@
 from hypernode.config import partial_method
 from hypernode.runtime import job
 
-with job(snakemake) as attributes:  # noqa: F821
+with job(snakemake) as attributes:
     from hypernode.stages import training
 
     training.run(
-        partial_method(snakemake.params.settings),  # noqa: F821
-        snakemake.wildcards.case,  # noqa: F821
-        list(snakemake.input),  # noqa: F821
-        snakemake.output[0],  # noqa: F821
+        partial_method(snakemake.params.settings),
+        snakemake.wildcards.case,
+        list(snakemake.input),
+        snakemake.output[0],
         attributes,
     )

@@ -3,7 +3,7 @@
 from hypernode.config import from_slice
 from hypernode.runtime import job
 
-with job(snakemake) as attributes:  # noqa: F821
+with job(snakemake) as attributes:
     from hypernode.stages import truth
 
-    truth.run(from_slice(snakemake.params.settings), snakemake.wildcards.case, snakemake.output[0], attributes)  # noqa: F821
+    truth.run(from_slice(snakemake.params.settings), snakemake.wildcards.case, snakemake.output[0], attributes)

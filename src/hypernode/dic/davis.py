@@ -88,7 +88,9 @@ def read_points(path: Path) -> Float[np.ndarray, "point 4"]:
         raise DicError(f"{path}:1: the header must be separated by ';', found {lines[0][:60]!r}")
     missing = [name for name in COLUMNS if name not in header]
     if missing:
-        raise DicError(f"{path}:1: no column {missing[0]!r} among {header}: export positions and displacements in pixels")
+        raise DicError(
+            f"{path}:1: no column {missing[0]!r} among {header}: export positions and displacements in pixels"
+        )
     index = [header.index(name) for name in COLUMNS]
     points = np.empty((len(lines) - 1, 4))
     count = 0
@@ -155,7 +157,9 @@ def read_series(folder: Path, numbers=None) -> Series:
         known[known] &= (x[column[known]] == points[known, 0]) & (y[row[known]] == points[known, 1])
         if not known.all():
             bad = int(np.flatnonzero(~known)[0])
-            raise DicError(f"{files[number]}:{bad + 2}: the point {points[bad, :2]} is not on the grid of frame {reference}")
+            raise DicError(
+                f"{files[number]}:{bad + 2}: the point {points[bad, :2]} is not on the grid of frame {reference}"
+            )
         place = row * len(x) + column
         unique, counts = np.unique(place, return_counts=True)
         if (counts > 1).any():

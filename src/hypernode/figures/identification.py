@@ -42,7 +42,15 @@ def _forces(axes, data, units):
             if np.nanmax(np.abs(measured[:, edge, i])) < 1e-3 * np.nanmax(np.abs(measured)):
                 continue
             colour = (NEUTRAL, "#009E73")[drawn % 2]
-            axes.plot(stretch, measured[:, edge, i], "o", color=colour, ms=4, mfc="none", label=f"$f_{component}$, {name}, measured")
+            axes.plot(
+                stretch,
+                measured[:, edge, i],
+                "o",
+                color=colour,
+                ms=4,
+                mfc="none",
+                label=f"$f_{component}$, {name}, measured",
+            )
             axes.plot(stretch, found[:, edge, i], "x", color=colour, ms=4, label=f"$f_{component}$, {name}, identified")
             drawn += 1
     axes.set_xlabel("edge stretch [-]")
@@ -59,7 +67,9 @@ def _curves(axes, data, units):
     for index, (name, colour) in enumerate((("matrix", MATRIX), ("inclusion", INCLUSION))):
         axes.plot(stretch, found[index, :, component], color=colour, label=f"{name}, identified")
         if true is not None:
-            axes.plot(stretch[::2], true[index, ::2, component], "o", color=colour, ms=3, mfc="none", label=f"{name}, truth")
+            axes.plot(
+                stretch[::2], true[index, ::2, component], "o", color=colour, ms=3, mfc="none", label=f"{name}, truth"
+            )
     mode = "equibiaxial" if data.attrs["load"] in ("equibiaxial", "biaxial", "shear") else "uniaxial"
     axes.set_xlabel(f"{mode} stretch [-]")
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + _unit(units["stress"]))

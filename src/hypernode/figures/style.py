@@ -4,12 +4,12 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.collections import PolyCollection  # noqa: E402
-from matplotlib.colors import Normalize  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
 
-from hypernode.storage.netcdf import write_bytes_atomically  # noqa: E402
+from hypernode.storage.netcdf import write_bytes_atomically
 
 #: Okabe-Ito colours, told apart with any colour vision.
 MATRIX, INCLUSION, NEUTRAL = "#0072B2", "#D55E00", "#444444"
@@ -67,8 +67,11 @@ def shared_norm(*fields) -> Normalize:
 
 def save(figure, files: dict[str, str]) -> None:
     """Write a figure in several formats, without dates, so that the same figure is the same file."""
+    metadata = {
+        "pdf": {"CreationDate": None, "Producer": None, "Creator": "hypernode"},
+        "png": {"Software": "hypernode"},
+    }
     for kind, path in files.items():
-        metadata = {"pdf": {"CreationDate": None, "Producer": None, "Creator": "hypernode"}, "png": {"Software": "hypernode"}}
         write_bytes_atomically(
             path, lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind])
         )

@@ -99,9 +99,7 @@ def energy_density(
     """
     total = 0.0
     for index, name in enumerate(models):
-        total = total + jnp.where(
-            parameters["model"] == index, MODELS[name].energy_density(I, parameters), 0.0
-        )
+        total = total + jnp.where(parameters["model"] == index, MODELS[name].energy_density(I, parameters), 0.0)
     return total
 
 

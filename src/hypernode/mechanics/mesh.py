@@ -72,9 +72,7 @@ def rectilinear(x: Float[np.ndarray, " nx"], y: Float[np.ndarray, " ny"], keep=N
     grid_x, grid_y = np.meshgrid(x, y)
     nodes = np.stack([grid_x.ravel(), grid_y.ravel()], axis=1)
     number = np.arange(nx * ny).reshape(ny, nx)
-    cells = np.stack(
-        [number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1
-    ).reshape(-1, 4)
+    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1).reshape(-1, 4)
     if keep is not None:
         cells = cells[np.asarray(keep).ravel()]
         used = np.unique(cells)

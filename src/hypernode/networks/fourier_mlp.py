@@ -1,6 +1,7 @@
 """Multilayer perceptron on random Fourier features of the position."""
 
 import dataclasses
+import itertools
 from collections.abc import Sequence
 
 import jax
@@ -46,8 +47,7 @@ class FourierMLP(nnx.Module):
         sizes: Sequence[int] = (2 * architecture.features + extra_inputs, *architecture.widths, outputs)
         init = nnx.initializers.glorot_normal()
         self.layers = nnx.List(
-            nnx.Linear(a, b, kernel_init=init, rngs=nnx.Rngs(rngs.weights()))
-            for a, b in zip(sizes[:-1], sizes[1:], strict=True)
+            nnx.Linear(a, b, kernel_init=init, rngs=nnx.Rngs(rngs.weights())) for a, b in itertools.pairwise(sizes)
         )
 
     def __call__(

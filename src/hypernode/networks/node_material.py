@@ -126,9 +126,7 @@ class NodeMaterial:
         constants = jnp.log(jnp.array([start[name] for name in self.constants]))
         return self.join(weights, jnp.zeros(len(self.mixtures)), constants, jnp.zeros(()))
 
-    def departure(
-        self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]
-    ) -> Float[Array, ""]:
+    def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:
         """Mean over points of the squared distance from ``centre``, constants left out.
 
         The constants carry the stiffness contrast; what is penalised is a change of the shape of

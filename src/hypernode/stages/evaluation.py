@@ -152,7 +152,7 @@ def run(
     case = config.cases[name]
     measurement, gradient, interpolant = read(measurement_file), read(gradient_file), read(interpolant_file)
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
-    X, areas = mesh.centres, mesh.areas
+    X, _areas = mesh.centres, mesh.areas
     found = load_material(material_file)
     kind = config.loads[case.loads[0]].kind if case.loads else config.specimens[case.specimen].load
     largest = float(measurement["stretch"].values.max())
@@ -164,7 +164,9 @@ def run(
     thickness = float(measurement.attrs["thickness"])
     measured_force = measurement["edge_force"].values
     with np.errstate(invalid="ignore"):
-        relative = np.abs(forces * thickness - measured_force) / np.nanmax(np.abs(measured_force), axis=(1, 2), keepdims=True)
+        relative = np.abs(forces * thickness - measured_force) / np.nanmax(
+            np.abs(measured_force), axis=(1, 2), keepdims=True
+        )
     force_error = np.nanmax(np.where(np.isfinite(measured_force), relative, np.nan), axis=(1, 2))
     shape_stretch = min(SHAPE_STRETCH, largest)
     field = indicator(found, X, kind, shape_stretch)
@@ -187,9 +189,7 @@ def run(
         "equilibrium_gap": gap,
         "curve_stretch": curve_stretch,
         "misfit": interpolant["misfit"].values,
-        "principal_strain": np.asarray(
-            largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))
-        ),
+        "principal_strain": np.asarray(largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))),
     }
     summary = {
         "case": name,
@@ -247,7 +247,10 @@ def _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, var
     phases = json.loads(truth.attrs["phases"])
     by_mode = [[relative_error(P[m, s], P_true[m, s], areas) for s in range(len(stretches))] for m in range(len(MODES))]
     by_phase = [
-        [[relative_error(P[m, s], P_true[m, s], areas * (phase == k)) for s in range(len(stretches))] for m in range(len(MODES))]
+        [
+            [relative_error(P[m, s], P_true[m, s], areas * (phase == k)) for s in range(len(stretches))]
+            for m in range(len(MODES))
+        ]
         for k in range(len(phases))
     ]
     true_shape = phase > 0
@@ -256,7 +259,11 @@ def _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, var
     for side in range(2):
         nodal[side, corner[true_shape == bool(side)].ravel()] = True
     band = nodal.all(axis=0)[corner].any(axis=1)
-    seen = MODES.index("equibiaxial") if kind in ("equibiaxial", "biaxial") else MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+    seen = (
+        MODES.index("equibiaxial")
+        if kind in ("equibiaxial", "biaxial")
+        else MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+    )
     error, correlation = contrast(P[seen], P_true[seen], areas)
     variables |= {
         "P_true": P_true,

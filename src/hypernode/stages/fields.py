@@ -44,6 +44,14 @@ class Loading:
     constrained: np.ndarray
     known: np.ndarray
 
+    @property
+    def target_weight(self) -> Float[np.ndarray, "2 2 step 1"]:
+        """1 where P_average is known [i, J, step, 1]: measured normal stresses, and shear (zero)."""
+        weight = np.ones((2, 2, len(self.t), 1))
+        for i in range(2):
+            weight[i, i, :, 0] = self.measured[:, i] | ~self.constrained[self.test].any(axis=(1, 2))
+        return weight
+
     @classmethod
     def of(cls, measurement: xr.Dataset) -> "Loading":
         """Read the loading of a measurement file.
@@ -66,11 +74,11 @@ class Loading:
         P[:, 0, 0], P[:, 1, 1] = total[0] / section[0], total[1] / section[1]
         scale = np.linalg.norm(P.reshape(len(test), 4), axis=1)
         if (scale <= 0).any():
-            raise ValueError(f"load step {int(np.argmin(scale))} carries no force: every step needs a measured resultant")
+            raise ValueError(
+                f"load step {int(np.argmin(scale))} carries no force: every step needs a measured resultant"
+            )
         H = np.abs(measurement["H"].values).reshape(len(test), 4).max(axis=1)
         largest = np.array([H[test == k].max() for k in test])
         first = [int(np.flatnonzero(test == k)[0]) for k in range(test.max() + 1)]
         known = np.isfinite(force) & constrained
-        return cls(
-            test, H / largest, total.T, (counts > 0).T, P, scale, constrained[first], known[first]
-        )
+        return cls(test, H / largest, total.T, (counts > 0).T, P, scale, constrained[first], known[first])

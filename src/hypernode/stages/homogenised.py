@@ -18,12 +18,10 @@ from hypernode.storage.netcdf import read, units_of, write
 
 #: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
 #: homogenised fit has more parameters than data; this picks the plainest of the many that fit.
-RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-5
+RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-6
 
 
-def run(
-    method: Method, name: str, measurement_file: str, interpolant_file: str, output: str, attributes: dict
-) -> None:
+def run(method: Method, name: str, measurement_file: str, interpolant_file: str, output: str, attributes: dict) -> None:
     """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
 
     Components whose resultant is not measured and that are not free carry no data. The stress unit

@@ -45,7 +45,9 @@ def _select(specimen: Specimen, folder: Path) -> list[int]:
     chosen = []
     for target in specimen.stretches:
         if target > stretch.max():
-            raise DicError(f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {stretch.max():.4g}")
+            raise DicError(
+                f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {stretch.max():.4g}"
+            )
         chosen.append(series.frames[int(np.argmin(np.abs(stretch - target)))].number)
     if len(set(chosen)) < len(chosen):
         raise DicError(f"{folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart")

@@ -42,9 +42,7 @@ class InterpolatedGradient:
         return jnp.moveaxis(H + jnp.eye(2), (2, 3), (0, 1))
 
 
-def run(
-    settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict
-) -> None:
+def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict) -> None:
     """Fit one network a test to F at the cell centres (equation ``eq_training_FDM_Fint``).
 
     The misfit of each load step is measured in units of that step's own F - I, and the network's
@@ -84,7 +82,9 @@ def run(
         "length_scale": length,
     }
     # The stored file is what later stages evaluate, so the misfit is taken from it too.
-    interpolated = np.asarray(InterpolatedGradient(_InMemory(variables, described))(jnp.asarray(mesh.centres, jnp.float32)))
+    interpolated = np.asarray(
+        InterpolatedGradient(_InMemory(variables, described))(jnp.asarray(mesh.centres, jnp.float32))
+    )
     fitted = np.moveaxis(interpolated, (0, 1), (2, 3)).astype(float)
     reference = F
     axes = (1, 2, 3)
@@ -106,7 +106,5 @@ class _InMemory(dict):
             return np.asarray(self.values, *args, **kwargs)
 
     def __init__(self, variables, attrs):
-        super().__init__(
-            {k: self._Values(np.asarray(v[1] if "." in k else v)) for k, v in variables.items()}
-        )
+        super().__init__({k: self._Values(np.asarray(v[1] if "." in k else v)) for k, v in variables.items()})
         self.attrs = attrs

@@ -19,6 +19,7 @@ def run(method: Method, name: str, parents: list[str], output: str, attributes: 
     problem = InverseProblem.load(method, name, *parents[:3])
     params, apply = problem.trainable(parents[3])
     target = jnp.asarray(np.moveaxis(problem.loading.P_average, 0, -1)[..., None], jnp.float32)
+    known = jnp.asarray(problem.loading.target_weight, jnp.float32)
     cells = len(problem.X)
     count = min(method.pretraining.points or cells, cells)
 
@@ -26,7 +27,7 @@ def run(method: Method, name: str, parents: list[str], output: str, attributes: 
         at = jax.random.choice(key, cells, (count,), replace=False)
         node_params = apply(params)(problem.X[at]).T
         P = node_stress(problem.node, problem.F[..., at], node_params)
-        misfit = jnp.mean(((P - target) / problem.scale[:, None]) ** 2)
+        misfit = jnp.mean(known * ((P - target) / problem.scale[:, None]) ** 2)
         return misfit + method.prior_weight * problem.node.departure(node_params, problem.centre)
 
     params, *history = minimise(loss, params, method.pretraining, stage="pre-training", case=name, seed=method.seed)

@@ -23,9 +23,16 @@ def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
         for steps, gap in problem.gaps()
     ]
 
+    target = jnp.asarray(np.moveaxis(problem.loading.P_average, 0, -1)[..., None], jnp.float32)
+    known = jnp.asarray(problem.loading.target_weight, jnp.float32)
+
     def loss(network, key):
         P = problem.stress(network(problem.X).T)
-        total = 0.0
+        total = (
+            settings.uniformity_weight
+            * len(problem.loading.t)
+            * jnp.mean(jnp.sum(known * ((P - target) / problem.scale[:, None]) ** 2, axis=(0, 1)))
+        )
         for steps, gap, resultant, scale in tests:
             total += sum(jnp.sum(r**2) for r in gap.residuals(P[:, :, steps], resultant, scale))
         return settings.equilibrium_weight * total / len(problem.loading.t)
@@ -120,15 +127,11 @@ def autodiff(problem: InverseProblem, settings: Training) -> Callable:
     """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss."""
     X = jnp.asarray(problem.mesh.centres, jnp.float32)
     unit = jnp.eye(2)
-    dF = jnp.stack(
-        [jax.jvp(problem.interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)]
-    )
+    dF = jnp.stack([jax.jvp(problem.interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
     cells = len(X)
     count = min(settings.points or DEFAULT_POINTS, cells)
     mesh = problem.mesh
-    border = np.flatnonzero(
-        np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4
-    )
+    border = np.flatnonzero(np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4)
     edges = _edge_terms(problem)
 
     def loss(network, key):

@@ -153,9 +153,7 @@ def read(path: str | Path) -> xr.Dataset:
     check_schema(dataset, str(path))
     for parent, digest in json.loads(dataset.attrs.get("parents", "{}")).items():
         if Path(parent).is_file() and sha256(parent) != digest:
-            raise StorageError(
-                f"{path}: its parent {parent} is not the file it was computed from (changed or damaged)"
-            )
+            raise StorageError(f"{path}: its parent {parent} is not the file it was computed from (changed or damaged)")
     return dataset
 
 

@@ -4,7 +4,7 @@ import ast
 import hashlib
 import importlib.metadata
 import json
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -12,7 +12,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 RECORDED = ("jax", "jaxlib", "flax", "optax", "jax-fem", "fenics-basix", "numpy", "scipy", "xarray", "netCDF4")
 
 
-@lru_cache(maxsize=None)
+@cache
 def imported_modules(source: Path) -> frozenset[Path]:
     """Modules of this package that a Python file imports, anywhere in it, directly or not."""
     found = set()

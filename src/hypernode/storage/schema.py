@@ -86,9 +86,7 @@ VARIABLES = {
     "stress_error_phase": Variable(
         ("phase_index", "mode", "stretch_index"), "1", "relative L2 error of P at common F by phase"
     ),
-    "P_identified": Variable(
-        ("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"
-    ),
+    "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
@@ -99,23 +97,13 @@ VARIABLES = {
     ),
     "curve_true": Variable(("location", "curve_point", "i"), "stress", "true normal stresses P_xX and P_yY"),
     "curve_location": Variable(("location", "i"), "length", "where the curves are drawn"),
-    "edge_force_identified": Variable(
-        ("load_step", "edge", "i"), "force", "edge resultant of the identified stress"
-    ),
+    "edge_force_identified": Variable(("load_step", "edge", "i"), "force", "edge resultant of the identified stress"),
     "edge_force_error": Variable(("load_step",), "1", "largest relative error of a measured resultant"),
-    "equilibrium_residual": Variable(
-        ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces"
-    ),
-    "equilibrium_gap": Variable(
-        ("load_step",), "1", "relative distance of P from the nearest equilibrated stress"
-    ),
+    "equilibrium_residual": Variable(("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces"),
+    "equilibrium_gap": Variable(("load_step",), "1", "relative distance of P from the nearest equilibrated stress"),
     "P_field": Variable(
         ("load_step", "cell", "i", "J"), "stress", "identified P at the measured deformation, cell mean"
     ),
-    "P_field_true": Variable(
-        ("load_step", "cell", "i", "J"), "stress", "true P at the true deformation, cell mean"
-    ),
-    "principal_strain": Variable(
-        ("load_step", "cell"), "1", "largest principal Green-Lagrange strain"
-    ),
+    "P_field_true": Variable(("load_step", "cell", "i", "J"), "stress", "true P at the true deformation, cell mean"),
+    "principal_strain": Variable(("load_step", "cell"), "1", "largest principal Green-Lagrange strain"),
 }

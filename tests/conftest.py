@@ -1,0 +1,13 @@
+"""Double precision for every unit test, so that laws can be asserted tightly."""
+
+import os
+
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+
+import jax
+
+jax.config.update("jax_enable_x64", True)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--smoke", action="store_true", help="also run the whole DAG on a small case")

@@ -1,0 +1,138 @@
+"""A vendor's folder becomes a measurement in mm, N and MPa, or a message with file and line."""
+
+import json
+
+import numpy as np
+import pytest
+
+from hypernode.config import check_config
+from hypernode.dic.davis import DicError, read_force_record, read_series
+from hypernode.stages import import_dic
+from hypernode.storage.netcdf import read
+
+HEADER = "x [pixel];y [pixel];x-displacement [pixel];y-displacement [pixel];Displacement [pixel]"
+PIXEL = 0.05
+
+
+def write_frame(folder, number, stretch, change=lambda rows: rows):
+    rows = []
+    for y in range(10, 10 + 23 * 9, 23):
+        for x in range(5, 5 + 23 * 7, 23):
+            # The sheet is pulled upward: pixel y runs downward, so the displacement is negative.
+            uy = -(stretch - 1.0) * (10 + 23 * 8 - y)
+            ux = (stretch**-0.5 - 1.0) * (x - 5)
+            rows.append(f"{x};{y};{ux + 1e-9 * (number > 1):.9g};{uy + 1e-9 * (number > 1):.9g};0")
+    (folder / f"Test{number:04d}.csv").write_text("\n".join([HEADER, *change(rows)]) + "\r\n")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for number, stretch in ((1, 1.0), (6, 1.05), (11, 1.1)):
+        write_frame(tmp_path, number, stretch)
+    force = ["Time,Displacement,Force", "(s),(mm),(N)"] + [f'"{t}","0","{10 * t}"' for t in np.linspace(0, 3, 31)]
+    (tmp_path / "force_disp.csv").write_text("\n".join(force))
+    return tmp_path
+
+
+def config(folder, **changes):
+    specimen = {
+        "folder": str(folder), "width": 161 * PIXEL, "height": 207 * PIXEL, "thickness": 2.0, "pixel_size": PIXEL,
+        "frame_rate": 5.0, "edge_ring": 1, "frames": [6, 11], **changes,
+    }  # fmt: skip
+    method = {
+        "interpolant": {"features": 2, "frequency_scale": 1, "widths": [2], "iterations": 1},
+        "node": {"terms": ["I1"], "hidden": [2]}, "hypernetwork": {"features": 2, "frequency_scale": 1, "widths": [2]},
+        **{k: {"iterations": 1} for k in ("homogenised", "initialisation", "pretraining", "training")},
+    }  # fmt: skip
+    return check_config({
+        "specimens": {"s": specimen}, "methods": {"m": method}, "cases": {"c": {"specimen": "s", "methods": ["m"]}},
+    })  # fmt: skip
+
+
+def imported(folder, tmp_path, **changes):
+    import_dic.run(config(folder, **changes), "c", str(tmp_path / "out.nc"), {})
+    return read(tmp_path / "out.nc")
+
+
+def test_lengths_forces_and_directions(folder, tmp_path):
+    data = imported(folder, tmp_path)
+    np.testing.assert_allclose(data["stretch"], [1.05, 1.10], rtol=1e-6)
+    np.testing.assert_allclose(data["H"].values[:, 0, 0], [1.05**-0.5 - 1, 1.1**-0.5 - 1], rtol=1e-5)
+    spacing = 23 * PIXEL
+    corners = data["corners"].values
+    np.testing.assert_allclose(corners[1] - corners[0], [4 * spacing, 6 * spacing])
+    # Frame k is taken at (k - 1)/rate; the record gives 10 N/s; the kept grid is narrower than the sheet.
+    np.testing.assert_allclose(data["time"], [1.0, 2.0])
+    np.testing.assert_allclose(data["edge_force"].values[:, 3, 1], np.array([10.0, 20.0]) * 4 * spacing / (161 * PIXEL))
+    top = data["X"].values[:, 1] == corners[1, 1]
+    assert (data["u_measured"].values[0, -1, top, 1] > 0).all(), "y points upward"
+
+
+def test_steps_chosen_by_stretch(folder, tmp_path):
+    data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.099])
+    assert json.loads(data.attrs["frames"]) == [6, 11]
+
+
+def test_lost_points_are_masked(folder, tmp_path):
+    def lose(rows):
+        x, y, *_ = rows[31].split(";")
+        return [*rows[:31], f"{x};{y};0;0;0", *rows[32:]]
+
+    write_frame(folder, 11, 1.1, lose)
+    data = imported(folder, tmp_path)
+    assert json.loads(str(data.attrs["lost_points"])) == 1
+    assert data.sizes["node"] == 5 * 7 - 1 and data.sizes["cell"] == 4 * 6 - 4
+
+
+CORRUPTIONS = {
+    "ragged": (lambda rows: [*rows[:3], "1;2", *rows[4:]], r"0011\.csv:5: 2 fields"),
+    "decimal comma": (lambda rows: [r.replace(".", ",") for r in rows], r"0011\.csv:2: .*decimal comma"),
+    "wrong delimiter": (lambda rows: [r.replace(";", ",") for r in rows], r"0011\.csv:2: 1 fields"),
+    "duplicate": (lambda rows: [*rows, rows[0]], r"there twice"),
+    "off grid": (lambda rows: ["6" + rows[0][1:], *rows[1:]], r"0011\.csv:2: .*not on the grid"),
+    "empty": (lambda rows: [], r"0011\.csv:2: no points"),
+}
+
+
+@pytest.mark.parametrize("name", CORRUPTIONS)
+def test_a_broken_frame_is_named_with_its_line(folder, tmp_path, name):
+    change, message = CORRUPTIONS[name]
+    write_frame(folder, 11, 1.1, change)
+    with pytest.raises(DicError, match=message):
+        imported(folder, tmp_path)
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_a_missing_frame_names_the_nearest(folder, tmp_path):
+    with pytest.raises(DicError, match="frame 9 is not there; the nearest is 11"):
+        imported(folder, tmp_path, frames=[6, 9])
+
+
+def test_a_record_shorter_than_the_frames_is_an_error(folder, tmp_path):
+    with pytest.raises(DicError, match="ends at 3 s, before frame 11"):
+        imported(folder, tmp_path, frame_rate=2.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("Time,Force\n0,1\n1,2\n", r"csv:2: the line of units"),
+        ("Time,Force\n(s),(N)\n0,1\n2,2\n1,3\n", r"csv:5: time goes back"),
+        ("Time,Load\n(s),(N)\n0,1\n", r"csv:1: no column 'Force'"),
+        ("Time,Force\n(s),(N)\n0,a\n", r"csv:3: not a sample"),
+    ],
+)
+def test_a_broken_force_record_is_named_with_its_line(tmp_path, text, message):
+    (tmp_path / "force.csv").write_text(text)
+    with pytest.raises(DicError, match=message):
+        read_force_record(tmp_path / "force.csv")
+
+
+def test_kilonewtons_are_converted(tmp_path):
+    (tmp_path / "force.csv").write_text("Time,Force\n(s),(kN)\n0,0.5\n1,1.0\n")
+    np.testing.assert_allclose(read_force_record(tmp_path / "force.csv")[1], [500.0, 1000.0])
+
+
+def test_a_folder_without_frames_is_an_error(tmp_path):
+    with pytest.raises(DicError, match="no frames"):
+        read_series(tmp_path)

@@ -1,0 +1,95 @@
+"""Laws that every material obeys, closed-form and neural alike."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from hypernode.material import node_stress
+from hypernode.mechanics.kinematics import REFERENCE, invariants
+from hypernode.mechanics.material_names import PARAMETERS
+from hypernode.mechanics.materials import MODELS, energy_density
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.networks.terms import TERMS
+from hypernode.stages.equilibrium_solver import closed_form_stress
+
+VALUES = {
+    "mu": 1.3, "C10": 0.5, "C01": 0.2, "C20": 0.1, "C30": 0.02, "k1": 0.8, "k1w": 0.3, "k2": 0.4,
+    "kappa": 0.1, "fibre_angle": 0.6,
+}  # fmt: skip
+NODE = NodeMaterial(tuple(TERMS), (4, 4), 4, 0.4, 1.5)
+F_SAMPLES = np.eye(2) + np.random.default_rng(3).uniform(-0.15, 0.25, (8, 2, 2))
+
+
+def closed_form(name):
+    params = {"model": jnp.zeros(()), **{k: jnp.asarray(VALUES[k]) for k in MODELS[name].parameters}}
+    return lambda F: closed_form_stress((name,))(F, params)
+
+
+def neural():
+    params = NODE.initial_params(jax.random.key(0)).astype(float)
+    params = params.at[-1].set(0.7)
+    return lambda F: node_stress(NODE, F[..., None], params[:, None])[..., 0]
+
+
+LAWS = [pytest.param(closed_form(name), id=name) for name in MODELS] + [pytest.param(neural(), id="node")]
+
+
+@pytest.mark.parametrize("stress", LAWS)
+def test_stress_vanishes_at_identity(stress):
+    assert np.abs(stress(jnp.eye(2))).max() < 1e-12
+
+
+@pytest.mark.parametrize("stress", LAWS)
+def test_stress_is_frame_indifferent(stress):
+    c, s = np.cos(0.8), np.sin(0.8)
+    Q = jnp.array([[c, -s], [s, c]])
+    for F in F_SAMPLES:
+        np.testing.assert_allclose(stress(Q @ F), Q @ stress(jnp.asarray(F)), rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("stress", LAWS)
+def test_moment_balance_P_Ft_is_symmetric(stress):
+    for F in F_SAMPLES:
+        tau = np.asarray(stress(jnp.asarray(F))) @ F.T
+        np.testing.assert_allclose(tau, tau.T, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_energy_derivative_equals_stress(name):
+    params = {"model": jnp.zeros(()), **{k: jnp.asarray(VALUES[k]) for k in MODELS[name].parameters}}
+    angle = params.get("fibre_angle", 0.0)
+    for F in F_SAMPLES:
+        gradient = jax.grad(lambda F: energy_density((name,), invariants(F, angle), params))(jnp.asarray(F))
+        np.testing.assert_allclose(closed_form(name)(jnp.asarray(F)), gradient, rtol=1e-9, atol=1e-12)
+
+
+def test_schema_lists_the_parameters_that_models_use():
+    assert {name: tuple(p) for name, p in PARAMETERS.items()} == {n: m.parameters for n, m in MODELS.items()}
+
+
+def test_reduces_to_incompressible_linear_elasticity():
+    mu, e = 1.3, 1e-6
+    strain = np.array([[1.0, 0.4], [0.4, -0.3]])
+    P = np.asarray(closed_form("neo_hookean")(jnp.asarray(np.eye(2) + e * strain))) / e
+    np.testing.assert_allclose(P, 2 * mu * (strain + np.trace(strain) * np.eye(2)), rtol=1e-4)
+
+
+def test_neo_hookean_equibiaxial_stress_is_the_textbook_one():
+    for stretch in (0.9, 1.1, 1.3):
+        P = closed_form("neo_hookean")(jnp.diag(jnp.array([stretch, stretch])))
+        np.testing.assert_allclose(P[0, 0], 1.3 * (stretch - stretch**-5), rtol=1e-12)
+
+
+def test_invariants_of_the_undeformed_state():
+    np.testing.assert_allclose(invariants(jnp.eye(2), 0.3), REFERENCE, rtol=1e-14)
+
+
+def test_node_energy_is_elliptic_along_rank_one_lines():
+    stress = neural()
+    rng = np.random.default_rng(1)
+    for F in F_SAMPLES:
+        a, b = rng.normal(size=(2, 2))
+        direction = np.outer(a, b) / np.linalg.norm(np.outer(a, b))
+        second = jax.jvp(stress, (jnp.asarray(F),), (jnp.asarray(direction),))[1]
+        assert float(np.sum(second * direction)) > 0.0

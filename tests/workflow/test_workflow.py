@@ -1,0 +1,160 @@
+"""The workflow as its users meet it: from an empty folder to figures, and only what changed again."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+import hypernode
+from hypernode.storage.netcdf import sha256
+from hypernode.storage.provenance import code_hash, modules_used
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def snakemake(folder, *arguments, config=ROOT / "config" / "smoke.yaml"):
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--profile",
+               str(ROOT / "profiles" / "default"), "--directory", str(folder), "--cores", "2",
+               "--configfile", str(config), *arguments]  # fmt: skip
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+
+
+@pytest.fixture(scope="module")
+def smoke(request, tmp_path_factory):
+    if not request.config.getoption("--smoke"):
+        pytest.skip("the whole DAG runs with --smoke")
+    folder = tmp_path_factory.mktemp("smoke")
+    done = snakemake(folder)
+    assert done.returncode == 0, done.stderr[-4000:]
+    return folder
+
+
+def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
+    names = {str(p.relative_to(smoke / "results")) for p in (smoke / "results").rglob("*") if p.is_file()}
+    stages = ["gradient", "interpolant", "homogenised", "initialised", "pretrained", "material", "evaluation"]
+    wanted = {f"disc/{s}.nc" for s in ("true_material", "forward", "measurement")}
+    wanted |= {f"disc/{m}/{s}.nc" for m in ("tiny", "tiny_pointwise") for s in stages}
+    wanted |= {"figures/disc.pdf", "figures/disc.png", "tables/summary.csv", "tables/summary.md"}
+    assert wanted <= names
+    assert not [name for name in names if ".tmp" in name]
+
+
+def test_the_summary_has_numbers_for_every_run(smoke):
+    rows = (smoke / "results/tables/summary.csv").read_text().splitlines()
+    assert len(rows) == 3
+    assert all(0 < float(row.split(",")[2]) < 1 for row in rows[1:])
+
+
+def test_progress_lines_reach_the_log(smoke):
+    log = (smoke / "results/logs/disc/tiny/training.log").read_text()
+    assert "[main training] disc: step 50/50, loss" in log and "s left" in log
+
+
+def test_every_variable_has_units_and_every_file_its_origin(smoke):
+    for path in (smoke / "results").rglob("*.nc"):
+        with xr.open_dataset(path, decode_times=False) as data:
+            assert all("units" in data[v].attrs and "long_name" in data[v].attrs for v in data.variables)
+            for key in ("Conventions", "settings", "code", "versions", "parents", "run"):
+                assert key in data.attrs, (path, key)
+
+
+def test_identified_and_true_material_answer_the_same_questions(smoke):
+    X = np.array([[0.5, 0.5], [0.1, 0.9], [0.3, 0.2]])
+    F = np.tile(np.array([[1.1, 0.05], [0.0, 0.97]]), (3, 1, 1))
+    for path in ("disc/true_material.nc", "disc/tiny/material.nc"):
+        material = hypernode.load_material(smoke / "results" / path)
+        P, A = np.asarray(material.stress(X, F)), np.asarray(material.tangent(X, F))
+        assert P.shape == (3, 2, 2) and A.shape == (3, 2, 2, 2, 2)
+        h = 1e-4 if P.dtype == np.float64 else 1e-2
+        for i in range(2):
+            for J in range(2):
+                d = np.zeros((2, 2))
+                d[i, J] = h
+                slope = (np.asarray(material.energy(X, F + d)) - np.asarray(material.energy(X, F - d))) / (2 * h)
+                np.testing.assert_allclose(slope, P[:, i, J], rtol=2e-2, atol=2e-3)
+                dP = (np.asarray(material.stress(X, F + d)) - np.asarray(material.stress(X, F - d))) / (2 * h)
+                np.testing.assert_allclose(dP, A[:, :, :, i, J], rtol=3e-2, atol=2e-2)
+        assert np.abs(np.asarray(material.energy(X, np.tile(np.eye(2), (3, 1, 1))))).max() < 1e-6
+        with pytest.raises(ValueError, match="X must be"):
+            material.stress(X[0], F)
+
+
+def test_a_second_run_has_nothing_to_do(smoke):
+    assert "Nothing to be done" in snakemake(smoke).stderr
+
+
+def test_adding_a_case_runs_only_its_jobs(smoke, tmp_path):
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["cases"]["other"] = {**config["cases"]["disc"], "methods": ["tiny"]}
+    (tmp_path / "more.yaml").write_text(yaml.safe_dump(config))
+    plan = snakemake(smoke, "--dry-run", "--quiet", "rules", config=tmp_path / "more.yaml")
+    full = snakemake(smoke, "--dry-run", config=tmp_path / "more.yaml").stdout
+    assert plan.returncode == 0
+    jobs = [line for line in full.splitlines() if line.strip().startswith("output:")]
+    assert jobs and all("/other/" in line or "tables/" in line for line in jobs)
+
+
+def test_editing_one_method_stage_keeps_the_earlier_ones(smoke, tmp_path):
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["methods"]["tiny"]["training"] = {"equilibrium": "equilibrated", "iterations": 60}
+    (tmp_path / "edited.yaml").write_text(yaml.safe_dump(config))
+    full = snakemake(smoke, "--dry-run", config=tmp_path / "edited.yaml").stdout
+    outputs = [line.split()[1] for line in full.splitlines() if line.strip().startswith("output:")]
+    assert "results/disc/tiny/material.nc" in outputs
+    assert not [o for o in outputs if "interpolant" in o or "forward" in o or "tiny_pointwise" in o]
+
+
+def test_same_configuration_gives_the_same_bytes(smoke, tmp_path):
+    again = snakemake(tmp_path, "results/disc/tiny/evaluation.nc", "results/figures/disc.pdf")
+    assert again.returncode == 0, again.stderr[-3000:]
+    compared = list((tmp_path / "results").rglob("*.nc")) + list((tmp_path / "results").rglob("*.pdf"))
+    assert len(compared) >= 11
+    for path in compared:
+        assert sha256(path) == sha256(smoke / path.relative_to(tmp_path)), path.name
+
+
+def test_a_damaged_intermediate_stops_the_next_stage(smoke, tmp_path):
+    shutil.copytree(smoke, tmp_path / "copy")
+    damaged = tmp_path / "copy/results/disc/tiny/interpolant.nc"
+    data = bytearray(damaged.read_bytes())
+    data[len(data) // 2] ^= 4
+    damaged.write_bytes(bytes(data))
+    (tmp_path / "copy/results/disc/tiny/evaluation.nc").unlink()
+    failed = snakemake(tmp_path / "copy", "results/disc/tiny/evaluation.nc")
+    assert failed.returncode != 0 and "interpolant.nc" in failed.stderr
+    assert not (tmp_path / "copy/results/disc/tiny/evaluation.nc").exists()
+
+
+def test_a_wrong_configuration_stops_before_any_job_without_traceback(tmp_path):
+    text = (ROOT / "config/smoke.yaml").read_text().replace("radius: 0.25", "radus: 0.25")
+    (tmp_path / "bad.yaml").write_text(text)
+    failed = snakemake(tmp_path, config=tmp_path / "bad.yaml")
+    assert failed.returncode != 0
+    assert "did you mean 'radius'" in failed.stderr + failed.stdout
+    assert "Traceback" not in failed.stderr + failed.stdout
+    assert not (tmp_path / "results").exists()
+
+
+def test_an_absent_specimen_is_left_out_in_one_line(tmp_path):
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["specimens"] = {"s": {"folder": "nowhere", "published_at": "repository a/b", "width": 1, "height": 1,
+                                 "thickness": 1, "pixel_size": 1, "frame_rate": 1, "frames": [2]}}  # fmt: skip
+    config["cases"]["real"] = {"specimen": "s", "methods": ["tiny"]}
+    (tmp_path / "c.yaml").write_text(yaml.safe_dump(config))
+    plan = snakemake(tmp_path, "--dry-run", config=tmp_path / "c.yaml")
+    lines = [line for line in plan.stderr.splitlines() if "real" in line]
+    assert plan.returncode == 0
+    assert lines == ["Leaving out real: there is no folder nowhere; its data are published in repository a/b"]
+
+
+def test_the_code_hash_of_a_rule_covers_what_it_imports_and_no_more():
+    scripts = ROOT / "workflow/scripts"
+    names = {p.name for p in modules_used(scripts / "gradient.py")}
+    assert {"gradient.py", "netcdf.py", "mesh.py"} <= names and "neural_ode.py" not in names
+    assert "neural_ode.py" in {p.name for p in modules_used(scripts / "training.py")}
+    assert code_hash(scripts / "gradient.py") != code_hash(scripts / "training.py")
