@@ -54,7 +54,7 @@ BROKEN = [
     (("loads", "pull", "stretches"), [[1.1, 1.2]], r"stretches of a equibiaxial load are single numbers"),
     (("noise", "low", "sigma"), "small", r"noise\.low\.sigma = 'small'"),
     (("noise", "low", "repeats"), 0, r"noise\.low\.repeats = 0"),
-    (("methods", "m", "node", "terms"), ["I1", "I3"], r"did you mean 'I1'"),
+    (("methods", "m", "node", "terms"), ["I1", "I3"], r"terms\.1 = 'I3': not allowed; did you mean 'I"),
     (("methods", "m", "node", "terms"), ["I4v"], r"terms need I1 or I2"),
     (("methods", "m", "training", "iteration"), 5, r"unknown key; did you mean 'iterations'"),
     (("methods", "m", "seed"), -1, r"methods\.m\.seed = -1"),

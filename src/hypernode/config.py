@@ -7,6 +7,7 @@ before any job starts.
 
 import difflib
 import itertools
+import json
 import re
 from pathlib import Path
 from typing import Annotated, Literal, Union, get_args
@@ -542,13 +543,12 @@ def check_config(raw, source="config", root=None) -> Config:
     return config
 
 
-def slice_for(config: Config, name: str, sections=(), method: str | None = None, keys=None) -> dict:
+def slice_for(config: Config, name: str, sections=(), keys=None) -> dict:
     """The part of the configuration that one rule uses, as plain data for its ``params``.
 
     Args:
         name: case.
         sections: sections whose entries used by the case are included.
-        method: name of the one method to include.
         keys: keys of the case that matter to the rule; all but ``methods`` when left out.
 
     Returns:
@@ -569,9 +569,12 @@ def slice_for(config: Config, name: str, sections=(), method: str | None = None,
         result[section] = {
             key: entries[key].model_dump(mode="json") for key in dict.fromkeys(used[section]) if key in entries
         }
-    if method is not None:
-        result["methods"] = {method: config.methods[method].model_dump(mode="json")}
-    return result
+    return in_fixed_order(result)
+
+
+def in_fixed_order(settings):
+    """Plain data with sorted keys, so that reordering a configuration reruns nothing."""
+    return json.loads(json.dumps(settings, sort_keys=True))
 
 
 def from_slice(settings: dict) -> Config:

@@ -1,9 +1,8 @@
 """What the Snakefile needs to know of a configuration: which cases run, from which files, with which code."""
 
-import json
 from pathlib import Path
 
-from hypernode.config import Config, Figure
+from hypernode.config import Config, Figure, in_fixed_order
 from hypernode.dic.davis import DicError, frame_files
 from hypernode.storage.provenance import code_hash
 
@@ -39,8 +38,7 @@ def specimen_files(config: Config, name: str) -> list[str]:
 
 def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
     """The part of a method that one stage uses, so that an edit of another stage does not rerun it."""
-    full = json.loads(config.methods[method].model_dump_json())
-    return {key: full[key] for key in keys}
+    return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(keys)))
 
 
 def truth_input(config: Config, name: str) -> dict[str, str]:
