@@ -6,7 +6,8 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from hypernode.config import ConfigError, load_config, slice_for
+from hypernode.config_loader import ConfigError, load_config
+from hypernode.config_slices import slice_for
 from hypernode.workflow import (
     code_params,
     figure_inputs,

@@ -5,7 +5,8 @@ import copy
 import pytest
 import yaml
 
-from hypernode.config import ConfigError, check_config, from_slice, load_config, slice_for
+from hypernode.config_loader import ConfigError, check_config, load_config
+from hypernode.config_slices import from_slice, slice_for
 
 OPTIMISER = {"iterations": 1}
 NETWORK = {"features": 2, "frequency_scale": 1.0, "widths": [2]}

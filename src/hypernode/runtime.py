@@ -14,7 +14,7 @@ import tempfile
 import traceback
 from pathlib import Path
 
-from hypernode.config import ConfigError
+from hypernode.errors import ExpectedError
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
@@ -102,16 +102,12 @@ def job(snakemake, float64: bool = False):
 
     jax.config.update("jax_enable_x64", float64)
     use_compilation_cache()
-    from hypernode.dic.davis import DicError
-    from hypernode.stages.equilibrium_solver import ConvergenceError
-    from hypernode.stages.optimisation import DivergenceError
-    from hypernode.storage.netcdf import StorageError
 
     try:
         yield describe(
             snakemake.rule, dict(snakemake.wildcards), snakemake.params.get("settings", {}), snakemake.params.code
         )
-    except (ConfigError, ConvergenceError, DicError, DivergenceError, StorageError, ValueError) as error:
+    except (ExpectedError, ValueError) as error:
         where = ", ".join(f"{key} {value}" for key, value in snakemake.wildcards.items())
         traceback.print_exc(file=log)
         print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from hypernode.config import Config, Figure, in_fixed_order
+from hypernode.config import Config, Figure
+from hypernode.config_slices import in_fixed_order
 from hypernode.dic.davis import DicError, frame_files
 from hypernode.storage.provenance import code_hash
 

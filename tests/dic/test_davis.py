@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from hypernode.config import check_config
+from hypernode.config_loader import check_config
 from hypernode.dic.davis import DicError, read_force_record, read_series
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read

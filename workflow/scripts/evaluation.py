@@ -1,6 +1,6 @@
 """Stage 9: evaluation of one run."""
 
-from hypernode.config import from_slice
+from hypernode.config_slices import from_slice
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:

@@ -1,6 +1,6 @@
 """Stage 1: finite-element solution of every load case."""
 
-from hypernode.config import from_slice
+from hypernode.config_slices import from_slice
 from hypernode.runtime import job
 
 with job(snakemake, float64=True) as attributes:

@@ -1,6 +1,6 @@
 """Stage 2 for a real test: import of a DIC folder."""
 
-from hypernode.config import from_slice
+from hypernode.config_slices import from_slice
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:

@@ -1,6 +1,6 @@
 """Stage 2: noisy displacements of a synthetic test."""
 
-from hypernode.config import from_slice
+from hypernode.config_slices import from_slice
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:

@@ -1,6 +1,6 @@
 """Stage 7: uniform-stress pre-training."""
 
-from hypernode.config import partial_method
+from hypernode.config_slices import partial_method
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:

@@ -1,6 +1,6 @@
 """Stage 0: mesh and true material of a synthetic case."""
 
-from hypernode.config import from_slice
+from hypernode.config_slices import from_slice
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:

@@ -8,13 +8,15 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
+from hypernode.errors import ExpectedError
+
 FRAME = re.compile(r"^(?P<series>.*?)(?P<number>\d{4,})\.csv$")
 COLUMNS = ("x [pixel]", "y [pixel]", "x-displacement [pixel]", "y-displacement [pixel]")
 #: Largest file that is read; a frame of ten million points is far below it.
 MAX_BYTES = 2_000_000_000
 
 
-class DicError(ValueError):
+class DicError(ExpectedError, ValueError):
     """A test folder cannot be used; the message names file and line and the way out."""
 
 

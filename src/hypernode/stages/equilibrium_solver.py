@@ -18,17 +18,18 @@ import scipy.sparse
 import scipy.sparse.linalg
 from jaxtyping import Float
 
+from hypernode.errors import ExpectedError
 from hypernode.mechanics.kinematics import invariants
 from hypernode.mechanics.loads import Load
 from hypernode.mechanics.materials import energy_derivatives
-from hypernode.mechanics.mesh import EDGES, Mesh
+from hypernode.mechanics.mesh import Mesh
 from hypernode.mechanics.stress import first_piola_kirchhoff
 
 MAX_ITERATIONS = 20
 MAX_BISECTIONS = 6
 
 
-class ConvergenceError(RuntimeError):
+class ConvergenceError(ExpectedError, RuntimeError):
     """Newton's method found no equilibrium; the message names the load step and the residual."""
 
 
@@ -207,4 +208,4 @@ def closed_form_stress(models: tuple[str, ...]) -> Callable:
     return stress
 
 
-__all__ = ["EDGES", "ConvergenceError", "EquilibriumSolver", "closed_form_stress"]
+__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress"]

@@ -6,13 +6,14 @@ import jax
 import numpy as np
 import optax
 
+from hypernode.errors import ExpectedError
 from hypernode.progress import Progress
 
 #: Iterations compiled into one call; the loop looks for divergence between calls.
 CHUNK = 50
 
 
-class DivergenceError(RuntimeError):
+class DivergenceError(ExpectedError, RuntimeError):
     """A loss became infinite or not a number; the message names the stage, case and step."""
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from hypernode.errors import ExpectedError
 from hypernode.storage.schema import DIMS, VARIABLES
 
 #: Units of a synthetic test: a unit square of unit thickness.
@@ -18,7 +19,7 @@ SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
 EXPERIMENT_UNITS = {"length": "mm", "stress": "MPa", "force": "N", "energy": "MPa"}
 
 
-class StorageError(RuntimeError):
+class StorageError(ExpectedError, RuntimeError):
     """A data file is missing, damaged or breaks the schema; the message names file and variable."""
 
 

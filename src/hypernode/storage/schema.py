@@ -104,6 +104,5 @@ VARIABLES = {
     "P_field": Variable(
         ("load_step", "cell", "i", "J"), "stress", "identified P at the measured deformation, cell mean"
     ),
-    "P_field_true": Variable(("load_step", "cell", "i", "J"), "stress", "true P at the true deformation, cell mean"),
     "principal_strain": Variable(("load_step", "cell"), "1", "largest principal Green-Lagrange strain"),
 }
