@@ -1,7 +1,5 @@
 """The figure of one identification (paper: p_example and experimental_example, panels a to f)."""
 
-import json
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -56,7 +54,7 @@ def _forces(axes, data, units):
     axes.set_xlabel("edge stretch [-]")
     axes.set_ylabel("force" + _unit(f"{units['force']} · length" if units["length"] == "1" else units["force"]))
     axes.set_ylim(bottom=0)
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, loc="lower right", fontsize=6, handlelength=1.2)
 
 
 def _curves(axes, data, units):
@@ -73,7 +71,7 @@ def _curves(axes, data, units):
     mode = "equibiaxial" if data.attrs["load"] in ("equibiaxial", "biaxial", "shear") else "uniaxial"
     axes.set_xlabel(f"{mode} stretch [-]")
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + _unit(units["stress"]))
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, loc="lower right", fontsize=6, handlelength=1.2)
 
 
 def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
@@ -122,10 +120,10 @@ def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
         _curves(panels["f"], data, units)
         truth_title = "true material" if "P_true" in data else "printed shape"
         titles = {
-            "a": f"strain, stretch {data['stretch'].values[step]:.3g}",
-            "b": f"identified stress, stretch {data['stretch'].values[step]:.3g}",
-            "c": truth_title + (f", common stretch {stretch:.3g}" if "P_true" in data else ""),
-            "d": f"identified, common stretch {stretch:.3g}",
+            "a": f"strain at {data['stretch'].values[step]:.3g}",
+            "b": f"identified stress at {data['stretch'].values[step]:.3g}",
+            "c": truth_title + (f", all at {stretch:.3g}" if "P_true" in data else ""),
+            "d": f"identified, all at {stretch:.3g}",
             "e": "edge forces",
             "f": "stress-stretch",
         }
@@ -144,8 +142,3 @@ def _true_indicator(truth_file, data):
 
     centres = data["X"].values[data["cells"].values].mean(axis=1)
     return indicator(load_material(truth_file), centres, data.attrs["load"], data.attrs["shape_stretch"])
-
-
-def summary_of(path: str) -> dict:
-    """The summary numbers of an evaluation file."""
-    return json.loads(read(path).attrs["summary"])
