@@ -61,3 +61,12 @@ def test_a_full_disk_leaves_nothing_behind(tmp_path, monkeypatch):
     with pytest.raises(StorageError, match="No space left on device"):
         store(tmp_path / "a.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_of_results_can_be_moved_and_read_from_anywhere(tmp_path, monkeypatch):
+    store(tmp_path / "old/parent.nc")
+    store(tmp_path / "old/run/child.nc", parents=[tmp_path / "old/parent.nc"])
+    (tmp_path / "old").rename(tmp_path / "new")
+    store(tmp_path / "parent.nc", stretch=np.array([1.5]))
+    monkeypatch.chdir(tmp_path)
+    assert "../parent.nc" in read(tmp_path / "new/run/child.nc").attrs["parents"]

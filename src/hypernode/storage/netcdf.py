@@ -89,7 +89,8 @@ def write(
         "title": title,
         "source": "hypernode",
         "references": "arXiv: Fully data-driven inverse hyperelasticity with hyper-network neural ODE fields",
-        "parents": json.dumps({str(p): sha256(p) for p in parents}, sort_keys=True),
+        # Relative to the file, so that a results folder can be moved and read from anywhere.
+        "parents": json.dumps({os.path.relpath(p, path.parent): sha256(p) for p in parents}, sort_keys=True),
     }
     for key, value in attributes.items():
         simple = isinstance(value, (str, int, float)) and not isinstance(value, bool)
@@ -153,7 +154,8 @@ def read(path: str | Path) -> xr.Dataset:
         raise StorageError(f"{path}: damaged or not a NetCDF file: {error}") from error
     check_schema(dataset, str(path))
     for parent, digest in json.loads(dataset.attrs.get("parents", "{}")).items():
-        if Path(parent).is_file() and sha256(parent) != digest:
+        location = path.parent / parent
+        if location.is_file() and sha256(location) != digest:
             raise StorageError(f"{path}: its parent {parent} is not the file it was computed from (changed or damaged)")
     return dataset
 
