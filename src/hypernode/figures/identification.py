@@ -71,7 +71,9 @@ def _curves(axes, data, units):
     mode = "equibiaxial" if data.attrs["load"] in ("equibiaxial", "biaxial", "shear") else "uniaxial"
     axes.set_xlabel(f"{mode} stretch [-]")
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + _unit(units["stress"]))
-    axes.legend(frameon=False, loc="lower right", fontsize=6, handlelength=1.2)
+    # Room for the legend above the curves, which fill both lower corners.
+    axes.set_ylim(top=1.5 * axes.get_ylim()[1])
+    axes.legend(frameon=False, loc="upper left", fontsize=6, handlelength=1.2)
 
 
 def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
