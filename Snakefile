@@ -12,6 +12,7 @@ from hypernode.workflow import (
     code_params,
     figure_inputs,
     figure_runs,
+    image_files,
     method_settings,
     present_cases,
     specimen_files,

@@ -46,6 +46,7 @@ BROKEN = [
     (("geometries", "disc", "radus"), 0.2, r"geometries\.disc\.radus: unknown key; did you mean 'radius'"),
     (("geometries", "disc", "radius"), -1, r"geometries\.disc\.radius = -1: input should be greater than 0"),
     (("geometries", "disc", "shape"), "disk", r"did you mean 'disc'"),
+    (("geometries", "disc"), {"shape": "image", "path": "no.png"}, r"geometries\.disc\.path = 'no.png': no such file"),
     (("materials", "soft", "mu"), "hard", r"materials\.soft: 'mu' must be a number, not 'hard'"),
     (("materials", "soft", "nu"), 1.0, r"materials\.soft: 'nu' is not a parameter of neo_hookean \(mu\)"),
     (("materials", "soft", "mu"), -2.0, r"materials\.soft: 'mu' = -2.0 is outside"),

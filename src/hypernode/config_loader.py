@@ -217,6 +217,10 @@ def check_config(raw, source="config", root=None) -> Config:
             where = f"{source}:{line}" if line else str(source)
             hint = f"{_near(name, names)}\n    allowed: {', '.join(names) or '(none)'}"
             raise ConfigError(f"{where}: {at} = {name!r}: no such entry in {section}{hint}")
+    for name, geometry in config.geometries.items():
+        if geometry.shape == "image" and not Path(geometry.path).is_file():
+            line = _line(root, ("geometries", name, "path")) or "?"
+            raise ConfigError(f"{source}:{line}: geometries.{name}.path = {geometry.path!r}: no such file")
     for name, case in cases.items():
         if not case.methods:
             raise ConfigError(f"{source}: cases.{name}.methods: list at least one method ({', '.join(config.methods)})")

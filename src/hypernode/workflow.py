@@ -37,6 +37,12 @@ def specimen_files(config: Config, name: str) -> list[str]:
     return [*map(str, frames.values()), str(folder / specimen.force_file)]
 
 
+def image_files(config: Config, name: str) -> list[str]:
+    """The image that a synthetic case's geometry is drawn in, if any."""
+    geometry = config.geometries[config.cases[name].geometry]
+    return [geometry.path] if geometry.shape == "image" else []
+
+
 def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
     """The part of a method that one stage uses, so that an edit of another stage does not rerun it."""
     return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(keys)))

@@ -1,4 +1,6 @@
 rule true_material:
+    input:
+        lambda w: image_files(CONFIG, w.case),
     output:
         ensure("results/{case}/true_material.nc", non_empty=True),
     log:

@@ -1,6 +1,7 @@
 """Stage 9: how good an identified material is, on one scale for every run."""
 
 import json
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
@@ -152,7 +153,7 @@ def run(
     case = config.cases[name]
     measurement, gradient, interpolant = read(measurement_file), read(gradient_file), read(interpolant_file)
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
-    X, _areas = mesh.centres, mesh.areas
+    X = mesh.centres
     found = load_material(material_file)
     kind = config.loads[case.loads[0]].kind if case.loads else config.specimens[case.specimen].load
     largest = float(measurement["stretch"].values.max())
@@ -200,8 +201,8 @@ def run(
     }
     true_shape = None
     if truth_file:
-        true_shape = _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, variables, summary)
-    elif case.specimen and config.specimens[case.specimen].shape_image:
+        true_shape = _judge_truth(truth_file, mesh, F, kind, variables, summary)
+    elif case.specimen and Path(config.specimens[case.specimen].shape_image or "/").is_file():
         true_shape = _judge_printed(config.specimens[case.specimen], measurement, mesh, shape, summary)
     if true_shape is not None:
         variables["shape_true"] = true_shape.astype(np.int64)
@@ -238,17 +239,17 @@ def run(
     )
 
 
-def _judge_truth(truth_file, mesh, stretches, F, shape, kind, shape_stretch, variables, summary):
+def _judge_truth(truth_file, mesh, F, kind, variables, summary):
     """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
     truth, true = read(truth_file), load_material(truth_file)
     X, areas = mesh.centres, mesh.areas
     P_true, P = stress_at_common_F(true, X, F), variables["P_identified"]
     phase = truth["phase"].values
     phases = json.loads(truth.attrs["phases"])
-    by_mode = [[relative_error(P[m, s], P_true[m, s], areas) for s in range(len(stretches))] for m in range(len(MODES))]
+    by_mode = [[relative_error(P[m, s], P_true[m, s], areas) for s in range(F.shape[1])] for m in range(len(MODES))]
     by_phase = [
         [
-            [relative_error(P[m, s], P_true[m, s], areas * (phase == k)) for s in range(len(stretches))]
+            [relative_error(P[m, s], P_true[m, s], areas * (phase == k)) for s in range(F.shape[1])]
             for m in range(len(MODES))
         ]
         for k in range(len(phases))

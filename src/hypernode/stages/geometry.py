@@ -68,8 +68,11 @@ def image(path: str | Path, threshold: float = 0.5, invert: bool = False) -> Sha
     """
     from PIL import Image
 
-    with Image.open(path) as picture:
-        bright = np.asarray(picture.convert("L"), dtype=float) / 255.0 > threshold
+    try:
+        with Image.open(path) as picture:
+            bright = np.asarray(picture.convert("L"), dtype=float) / 255.0 > threshold
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read as an image: {error}") from None
     bright = (~bright if invert else bright)[::-1]
 
     def inside(X):

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from hypernode.errors import ExpectedError
-from hypernode.storage.schema import DIMS, VARIABLES
+from hypernode.storage.schema import VARIABLES
 
 #: Units of a synthetic test: a unit square of unit thickness.
 SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
@@ -165,4 +165,4 @@ def units_of(dataset: xr.Dataset) -> dict[str, str]:
     return json.loads(dataset.attrs["units"])
 
 
-__all__ = ["DIMS", "EXPERIMENT_UNITS", "SYNTHETIC_UNITS", "StorageError", "read", "sha256", "units_of", "write"]
+__all__ = ["EXPERIMENT_UNITS", "SYNTHETIC_UNITS", "StorageError", "read", "sha256", "units_of", "write"]

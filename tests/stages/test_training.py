@@ -1,0 +1,42 @@
+"""The pointwise divergence against differences of the same stress field."""
+
+from types import SimpleNamespace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Frequencies
+from hypernode.material import node_stress
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.networks.weights import make_network
+from hypernode.stages.training import divergence
+
+NODE = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 4, 0.4, 1.0)
+LENGTH = 2.0
+
+
+def gradient(X):
+    """A deformation gradient with F12 unlike F21, so that P is far from symmetric."""
+    x, y = X.T
+    F = [[1.1 + 0.05 * jnp.sin(x), 0.1 * y], [-0.05 * x * y, 1.05 + 0.04 * jnp.cos(y)]]
+    return jnp.stack([jnp.stack(row) for row in F])[:, :, None]
+
+
+def test_divergence_contracts_the_second_index_of_a_non_symmetric_stress():
+    network = make_network(Frequencies(features=4, frequency_scale=0.3, widths=[5]), 0, NODE.size, 0)
+    X = jnp.asarray(np.random.default_rng(0).uniform(0.2, 1.8, (6, 2)))
+    unit = jnp.eye(2)
+    dF = [jax.jvp(gradient, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)]
+    found, P = divergence(SimpleNamespace(node=NODE, length=LENGTH), network, X / LENGTH, gradient(X), dF)
+
+    def stress(X):
+        return node_stress(NODE, gradient(X), network(X / LENGTH).T)
+
+    h = 1e-5
+    slopes = [(stress(X + h * unit[J]) - stress(X - h * unit[J])) / (2 * h) for J in range(2)]
+    wanted = slopes[0][:, 0] + slopes[1][:, 1]
+    swapped = slopes[0][0, :] + slopes[1][1, :]
+    np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-5)
+    assert np.abs(P[0, 1] - P[1, 0]).max() > 1e-2
+    assert np.abs(swapped - wanted).max() > 1e-2
