@@ -10,12 +10,15 @@ from hypernode.config_loader import ConfigError, load_config
 from hypernode.config_slices import slice_for
 from hypernode.workflow import (
     code_params,
+    field_inputs,
     figure_inputs,
     figure_runs,
     image_files,
     method_settings,
     present_cases,
     specimen_files,
+    table_inputs,
+    table_settings,
     truth_input,
 )
 
@@ -50,6 +53,7 @@ wildcard_constraints:
     case="|".join(map(re.escape, CASES)) or "none",
     method="|".join(map(re.escape, CONFIG.methods)) or "none",
     figure="|".join(map(re.escape, FIGURES)) or "none",
+    table="|".join(map(re.escape, CONFIG.tables)),
 
 
 localrules:
@@ -73,5 +77,4 @@ rule all:
             for figure in FIGURES
             for kind in ("pdf", "png")
         ],
-        "results/tables/summary.csv",
-        "results/tables/summary.md",
+        [f"results/tables/{table}.csv" for table in CONFIG.tables],

@@ -60,7 +60,9 @@ BROKEN = [
     (("methods", "m", "node", "terms"), ["I4v"], r"terms need I1 or I2"),
     (("methods", "m", "training", "iteration"), 5, r"unknown key; did you mean 'iterations'"),
     (("methods", "m", "seed"), -1, r"methods\.m\.seed = -1"),
-    (("methods", "m", "interpolant"), None, r"methods\.m\.interpolant: this key is required"),
+    (("methods", "m", "node"), None, r"methods\.m\.node: this key is required"),
+    (("methods", "m", "constrained"), {"terms": ["I3"]}, r"methods\.m\.constrained\.terms\.0 = 'I3'"),
+    (("cases", "a", "hole"), "disk", r"cases\.a\.hole = 'disk': no such entry in geometries"),
     (
         ("cases", "a", "geometry"),
         "disk",

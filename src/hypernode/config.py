@@ -10,7 +10,7 @@ from typing import Annotated, Literal, Union, get_args
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from hypernode.mechanics.loads import CONSTRAINED
-from hypernode.mechanics.material_names import PARAMETERS
+from hypernode.mechanics.material_names import BASIS_TERMS, PARAMETERS
 from hypernode.networks.terms import TERMS
 
 LoadKind = Literal["equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear"]
@@ -199,21 +199,43 @@ class Training(Optimiser):
     ``equilibrium`` names how the residual is formed and measured: ``strong`` (finite-difference
     divergence on the measured grid) or ``autodiff`` (exact derivative of the interpolated fields),
     both as mean squares at points; or ``equilibrated`` (distance from the nearest equilibrated stress).
-    ``uniformity_weight`` keeps the target of the pre-training as a weak prior, which decides among the
-    stress fields that one noisy test cannot tell apart.
+    ``target_weight`` keeps the target of the pre-training (the stress of the constrained field, or the
+    uniform stress) beside it, which decides among the stress fields that one noisy test cannot tell apart.
     """
 
     equilibrium: Literal["strong", "autodiff", "equilibrated"] = "equilibrated"
     equilibrium_weight: NonNegative = 1.0
     force_weight: NonNegative = 1.0
-    uniformity_weight: NonNegative = 0.0
+    target_weight: NonNegative = 0.0
+
+
+class Constrained(Section):
+    """Equilibrium as a constraint: the field of convex-basis coefficients that explains the test.
+
+    ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
+    jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
+    relative error of the load cell.
+    """
+
+    terms: list[Literal[BASIS_TERMS]] = list(BASIS_TERMS)
+    iterations: Count = 30
+    jump_weight: Positive = 40.0
+    jump_scale: Positive = 0.05
+    force_noise: Positive = 5e-4
+    tolerance: Positive = 5e-3
 
 
 class Method(Section):
-    """Everything that turns a measurement into a material."""
+    """Everything that turns a measurement into a material.
 
+    With a ``constrained`` section, displacements are first replaced by the equilibrium field that
+    explains them, and the networks learn its stress; without an ``interpolant`` they see the
+    deformation gradient of the grid itself.
+    """
+
+    constrained: Constrained | None = None
     gradient: Literal["element", "finite_difference"] = "element"
-    interpolant: Interpolant
+    interpolant: Interpolant | None = None
     node: Node
     hypernetwork: Frequencies
     homogenised: Optimiser
@@ -222,6 +244,12 @@ class Method(Section):
     training: Training
     prior_weight: NonNegative = 1e-3
     seed: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _continuous(self):
+        if self.interpolant is None and self.training.equilibrium == "autodiff":
+            raise ValueError("training.equilibrium 'autodiff' needs an interpolant: only that can be differentiated")
+        return self
 
 
 class Specimen(Section):
@@ -257,8 +285,31 @@ class Specimen(Section):
         return self
 
 
+class Layer(Section):
+    """A further phase, drawn over what is already there."""
+
+    geometry: str
+    material: str
+
+
+class Camera(Section):
+    """A measured grid of its own: so that data and identification do not share a mesh.
+
+    ``cells`` of the measured grid, and ``window``, the side of the correlation window over which the
+    displacement is averaged, in the length unit of the sheet.
+    """
+
+    cells: tuple[Count, Count]
+    window: NonNegative = 0.0
+
+
 class Case(Section):
-    """One sheet and its tests: a synthetic one (geometry, materials, loads) or a specimen."""
+    """One sheet and its tests: a synthetic one (geometry, materials, loads) or a specimen.
+
+    ``hole`` names a geometry where there is no material; ``layers`` are phases drawn over the first
+    two; ``spacing`` is the ratio of the last to the first cell's side along x and y; ``camera`` measures
+    on a grid that is not the finite-element mesh.
+    """
 
     geometry: str | None = None
     inclusion: str | None = None
@@ -266,8 +317,12 @@ class Case(Section):
     loads: list[str] = []
     noise: str | None = None
     specimen: str | None = None
+    layers: list[Layer] = []
+    hole: str | None = None
     cells: tuple[Count, Count] = (50, 50)
     size: tuple[Positive, Positive] = (1.0, 1.0)
+    spacing: tuple[Positive, Positive] = (1.0, 1.0)
+    camera: Camera | None = None
     methods: list[str] = []
     judged_stretches: list[Positive] | None = None
 
@@ -276,12 +331,14 @@ class Case(Section):
         synthetic = {"geometry": self.geometry, "matrix": self.matrix, "loads": self.loads or None}
         if self.specimen:
             given = [key for key, value in synthetic.items() if value]
-            if given or self.inclusion or self.noise:
+            if given or self.inclusion or self.noise or self.layers or self.hole or self.camera:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
         else:
             missing = [key for key, value in synthetic.items() if not value]
             if missing:
                 raise ValueError(f"a synthetic case also needs {', '.join(missing)} (or name a specimen)")
+            if self.camera and self.hole:
+                raise ValueError("a camera grid cannot be laid over a sheet with a hole")
         return self
 
 
@@ -299,17 +356,61 @@ class Grid(Section):
     noise: Union[str, list[str], None] = None
     loads: list[str]
     methods: list[str] = Field(min_length=1)
+    hole: str | None = None
     cells: tuple[Count, Count] = (50, 50)
     size: tuple[Positive, Positive] = (1.0, 1.0)
+    spacing: tuple[Positive, Positive] = (1.0, 1.0)
+    camera: Camera | None = None
 
 
-class Figure(Section):
-    """A figure of one run: ``kind`` names its layout."""
+class RunFigure(Section):
+    """A figure of one run: ``kind`` names its layout, ``step`` the load step drawn."""
 
-    kind: Literal["identification"]
+    kind: Literal["identification", "anisotropy", "overview"]
     case: str
     method: str
     step: int = -1
+
+
+class ShownRun(Section):
+    """A row of a comparison: a run, or what one of its stages left."""
+
+    case: str
+    method: str
+    stage: Literal["constrained", "initialised", "pretrained", "material"] = "material"
+    label: str
+
+
+class Comparison(Section):
+    """A figure of several runs: their fields, or the fields' errors, at several stretches."""
+
+    kind: Literal["comparison"]
+    runs: list[ShownRun] = Field(min_length=1)
+    stretches: list[Positive] = Field(min_length=1)
+    load: LoadKind = "equibiaxial"
+    show: Literal["stress", "error"] = "stress"
+
+
+Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
+
+
+class RunTable(Section):
+    """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups."""
+
+    kind: Literal["runs", "timing"] = "runs"
+    runs: list[str] = ["*"]
+    columns: list[str] = []
+    groups: dict[str, str] = {}
+
+
+class SettingsTable(Section):
+    """A section of the configuration as a table."""
+
+    kind: Literal["settings"]
+    section: Literal["materials", "loads", "methods", "noise"]
+
+
+Table = Union[SettingsTable, RunTable]
 
 
 class Config(Section):
@@ -324,3 +425,9 @@ class Config(Section):
     cases: dict[str, Case] = {}
     grid: list[Grid] = []
     figures: dict[str, Figure] = {}
+    tables: dict[str, Table] = {}
+
+    @model_validator(mode="after")
+    def _summary(self):
+        self.tables.setdefault("summary", RunTable())
+        return self

@@ -28,7 +28,7 @@ def _expand(grid: Grid) -> dict[str, Case]:
     cases = {}
     for combination in itertools.product(*swept.values()):
         chosen = dict(zip(swept, combination, strict=True))
-        shared = {key: getattr(grid, key) for key in ("loads", "methods", "cells", "size")}
+        shared = {key: getattr(grid, key) for key in ("loads", "methods", "hole", "cells", "size", "spacing", "camera")}
         try:
             name = grid.name.format(**chosen)
         except (KeyError, IndexError, AttributeError) as error:
@@ -45,6 +45,7 @@ def _references(config: Config):
         at = f"cases.{name}"
         for key, section in (
             ("geometry", "geometries"),
+            ("hole", "geometries"),
             ("inclusion", "materials"),
             ("matrix", "materials"),
             ("noise", "noise"),
@@ -52,14 +53,21 @@ def _references(config: Config):
         ):
             if getattr(case, key) is not None:
                 yield f"{at}.{key}", getattr(case, key), section, getattr(config, section)
+        for index, layer in enumerate(case.layers):
+            yield f"{at}.layers.{index}.geometry", layer.geometry, "geometries", config.geometries
+            yield f"{at}.layers.{index}.material", layer.material, "materials", config.materials
         for index, value in enumerate(case.loads):
             yield f"{at}.loads.{index}", value, "loads", config.loads
         for index, value in enumerate(case.methods):
             yield f"{at}.methods.{index}", value, "methods", config.methods
     for name, figure in config.figures.items():
-        yield f"figures.{name}.case", figure.case, "cases", config.cases
-        if figure.case in config.cases:
-            yield f"figures.{name}.method", figure.method, "methods of its case", config.cases[figure.case].methods
+        shown = [(f"figures.{name}", figure)]
+        if figure.kind == "comparison":
+            shown = [(f"figures.{name}.runs.{index}", run) for index, run in enumerate(figure.runs)]
+        for at, run in shown:
+            yield f"{at}.case", run.case, "cases", config.cases
+            if run.case in config.cases:
+                yield f"{at}.method", run.method, "methods of its case", config.cases[run.case].methods
 
 
 def _near(value, allowed) -> str:

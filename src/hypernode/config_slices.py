@@ -21,8 +21,8 @@ def slice_for(config: Config, name: str, sections=(), keys=None) -> dict:
     case = config.cases[name].model_dump(mode="json", exclude_defaults=True)
     kept = {k: v for k, v in case.items() if k != "methods" and (keys is None or k in keys)}
     used = {
-        "geometries": [case.get("geometry")],
-        "materials": [case.get("matrix"), case.get("inclusion")],
+        "geometries": case_geometries(config.cases[name]),
+        "materials": case_materials(config.cases[name]),
         "loads": case.get("loads", []),
         "noise": [case.get("noise")],
         "specimens": [case.get("specimen")],
@@ -36,6 +36,16 @@ def slice_for(config: Config, name: str, sections=(), keys=None) -> dict:
     return in_fixed_order(result)
 
 
+def case_geometries(case: Case) -> list[str]:
+    """Names of the geometries that a synthetic case uses."""
+    return [key for key in (case.geometry, case.hole, *(layer.geometry for layer in case.layers)) if key]
+
+
+def case_materials(case: Case) -> list[str]:
+    """Names of the materials that a synthetic case uses."""
+    return [key for key in (case.matrix, case.inclusion, *(layer.material for layer in case.layers)) if key]
+
+
 def in_fixed_order(settings):
     """Plain data with sorted keys, so that reordering a configuration reruns nothing."""
     return json.loads(json.dumps(settings, sort_keys=True))
@@ -44,15 +54,20 @@ def in_fixed_order(settings):
 def from_slice(settings: dict) -> Config:
     """The configuration of one case from :func:`slice_for`; checked once already, so not again."""
     settings = dict(settings)
-    cases = {name: Case.model_construct(**{**_case_defaults(), **case}) for name, case in settings.pop("cases").items()}
+    cases = {name: _partial_case(case) for name, case in settings.pop("cases").items()}
     return Config.model_validate(settings).model_copy(update={"cases": cases})
 
 
-def _case_defaults() -> dict:
-    return {name: field.get_default(call_default_factory=True) for name, field in Case.model_fields.items()}
+def _partial_case(given: dict) -> Case:
+    defaults = {name: field.get_default(call_default_factory=True) for name, field in Case.model_fields.items()}
+    return Case.model_construct(**{**defaults, **_validated(Case, given)})
+
+
+def _validated(section, given: dict) -> dict:
+    return {key: TypeAdapter(section.model_fields[key].annotation).validate_python(v) for key, v in given.items()}
 
 
 def partial_method(settings: dict) -> Method:
     """A method that holds only the given parts, checked: a stage sees nothing that it does not use."""
-    parts = {key: TypeAdapter(Method.model_fields[key].annotation).validate_python(v) for key, v in settings.items()}
+    parts = _validated(Method, settings)
     return Method.model_construct(set(parts), **{**dict.fromkeys(Method.model_fields), **parts})

@@ -10,6 +10,7 @@ import xarray as xr
 from jaxtyping import Array, Float
 
 from hypernode.config import Frequencies
+from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.materials import energy_density, energy_derivatives
 from hypernode.mechanics.stress import first_piola_kirchhoff
@@ -80,16 +81,35 @@ def _tangent(stress, F, params):
     return jnp.stack(columns).reshape(2, 2, *columns[0].shape)
 
 
+def nearest_cell(file: xr.Dataset):
+    """X (point, 2) -> number of the cell whose centre is nearest."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(file["X"].values[file["cells"].values].mean(axis=1))
+    return lambda X: tree.query(np.asarray(X))[1]
+
+
+def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter cell"]]:
+    """The convex basis of a constrained field and its parameters in every cell."""
+    spec = json.loads(file.attrs["basis"])
+    basis = ConvexBasis(tuple(spec["terms"]), spec["invariant_scale"])
+    return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
+
+
+def _convex_basis(file: xr.Dataset) -> Material:
+    basis, params = basis_field(file)
+    cell = nearest_cell(file)
+    return Material(lambda X: jnp.asarray(params[:, cell(X)]), basis.stress, basis.energy, units_of(file))
+
+
 def _closed_form(file: xr.Dataset) -> Material:
     models = tuple(json.loads(file.attrs["models"]))
     values = {v.split(".", 1)[1]: file[v].values for v in file if v.startswith("material.")}
-    centres = file["X"].values[file["cells"].values].mean(axis=1)
+    cell = nearest_cell(file)
 
     def params_at(X):
-        from scipy.spatial import cKDTree
-
-        cell = cKDTree(centres).query(np.asarray(X))[1]
-        return {key: jnp.asarray(value[cell]) for key, value in values.items()}
+        at = cell(X)
+        return {key: jnp.asarray(value[at]) for key, value in values.items()}
 
     def stress(F, params):
         angle = params.get("fibre_angle", jnp.zeros(()))
@@ -133,14 +153,14 @@ def _node(file: xr.Dataset) -> Material:
     return Material(params_at, lambda F, p: node_stress(material, F, p), energy, units_of(file))
 
 
-_KINDS = {"closed_form": _closed_form, "node": _node}
+_KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "node": _node}
 
 
 def load_material(path: str | Path) -> Material:
     """The material field stored in a result file, identified or true.
 
     Args:
-        path: ``material.nc`` of a run, or ``true_material.nc`` of a synthetic case.
+        path: ``material.nc`` or ``constrained.nc`` of a run, or ``true_material.nc`` of a synthetic case.
 
     Raises:
         StorageError: the file is missing, damaged, or holds no material.

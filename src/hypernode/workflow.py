@@ -1,9 +1,10 @@
 """What the Snakefile needs to know of a configuration: which cases run, from which files, with which code."""
 
+from fnmatch import fnmatch
 from pathlib import Path
 
 from hypernode.config import Config, Figure
-from hypernode.config_slices import in_fixed_order
+from hypernode.config_slices import case_geometries, in_fixed_order
 from hypernode.dic.davis import DicError, frame_files
 from hypernode.storage.provenance import code_hash
 
@@ -38,9 +39,9 @@ def specimen_files(config: Config, name: str) -> list[str]:
 
 
 def image_files(config: Config, name: str) -> list[str]:
-    """The image that a synthetic case's geometry is drawn in, if any."""
-    geometry = config.geometries[config.cases[name].geometry]
-    return [geometry.path] if geometry.shape == "image" else []
+    """The images that a synthetic case's geometries are drawn in, if any."""
+    geometries = [config.geometries[key] for key in case_geometries(config.cases[name])]
+    return [geometry.path for geometry in geometries if geometry.shape == "image"]
 
 
 def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
@@ -48,18 +49,72 @@ def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
     return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(keys)))
 
 
+def field_inputs(config: Config, case: str, method: str, *keys: str) -> dict[str, str]:
+    """Named inputs of a stage that learns from the deformation field.
+
+    ``field`` is the interpolant, or the gradient where the method has no interpolant; ``constrained``
+    is left out where the method has no constrained field.
+    """
+    folder = f"results/{case}/{method}"
+    settings = config.methods[method]
+    files = {
+        "measurement": f"results/{case}/measurement.nc",
+        "field": f"{folder}/{'gradient' if settings.interpolant is None else 'interpolant'}.nc",
+        "homogenised": f"{folder}/homogenised.nc",
+    }
+    if settings.constrained is not None:
+        files["constrained"] = f"{folder}/constrained.nc"
+    return {key: files[key] for key in keys if key in files}
+
+
 def truth_input(config: Config, name: str) -> dict[str, str]:
     """The true material of a synthetic case as a named input."""
     return {} if config.cases[name].specimen else {"truth": f"results/{name}/true_material.nc"}
 
 
+def shown_runs(figure: Figure) -> list:
+    """The runs that a figure shows, each with a ``case`` and a ``method``."""
+    return figure.runs if figure.kind == "comparison" else [figure]
+
+
 def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
-    """Figures whose case runs."""
-    return {name: figure for name, figure in config.figures.items() if figure.case in cases}
+    """Figures all of whose cases run."""
+    return {
+        name: figure for name, figure in config.figures.items() if all(run.case in cases for run in shown_runs(figure))
+    }
 
 
 def figure_inputs(config: Config, name: str) -> dict[str, str]:
     """Named inputs of a figure."""
     figure = config.figures[name]
-    evaluation = f"results/{figure.case}/{figure.method}/evaluation.nc"
-    return {"evaluation": evaluation, **truth_input(config, figure.case)}
+    if figure.kind == "comparison":
+        files = {f"run{k}": f"results/{r.case}/{r.method}/{r.stage}.nc" for k, r in enumerate(figure.runs)}
+        for index, run in enumerate(figure.runs):
+            if not config.cases[run.case].specimen:
+                files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
+        return files
+    folder = f"results/{figure.case}/{figure.method}"
+    files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
+    if figure.kind == "anisotropy":
+        files["material"] = f"{folder}/material.nc"
+    if figure.kind == "overview":
+        files["measurement"] = f"results/{figure.case}/measurement.nc"
+    return files
+
+
+def table_inputs(config: Config, name: str, runs: list[tuple[str, str]]) -> list[str]:
+    """Evaluation files of the runs in a table."""
+    table = config.tables[name]
+    if table.kind == "settings":
+        return []
+    chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
+    return [f"results/{case}/{method}/evaluation.nc" for case, method in chosen]
+
+
+def table_settings(config: Config, name: str) -> dict:
+    """What the script that writes a table needs."""
+    table = config.tables[name]
+    if table.kind == "settings":
+        entries = {key: entry.model_dump(mode="json") for key, entry in getattr(config, table.section).items()}
+        return {"kind": "settings", "entries": entries}
+    return {"kind": table.kind, "columns": table.columns, "groups": table.groups}

@@ -1,9 +1,8 @@
 rule evaluation:
     input:
         unpack(lambda w: truth_input(CONFIG, w.case)),
-        measurement="results/{case}/measurement.nc",
+        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
         gradient="results/{case}/{method}/gradient.nc",
-        interpolant="results/{case}/{method}/interpolant.nc",
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/evaluation.nc", non_empty=True),

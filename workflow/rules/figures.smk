@@ -27,20 +27,22 @@ rule figure:
 
 rule summary:
     input:
-        [f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+        lambda w: table_inputs(CONFIG, w.table, RUNS),
     output:
         csv=report(
-            "results/tables/summary.csv",
+            "results/tables/{table}.csv",
             caption="../report/summary.rst",
             category="Tables",
-            labels={"table": "summary of all runs", "format": "CSV"},
+            labels={"table": "{table}", "format": "CSV"},
         ),
-        markdown="results/tables/summary.md",
+        markdown="results/tables/{table}.md",
+        latex="results/tables/{table}.tex",
     log:
-        "results/logs/tables/summary.log",
+        "results/logs/tables/{table}.log",
     benchmark:
-        "results/benchmarks/tables/summary.jsonl"
+        "results/benchmarks/tables/{table}.jsonl"
     params:
         code=CODE["summary"],
+        settings=lambda w: table_settings(CONFIG, w.table),
     script:
         "../scripts/summary.py"

@@ -13,7 +13,16 @@ rule true_material:
             CONFIG,
             w.case,
             ("geometries", "materials"),
-            keys=("geometry", "inclusion", "matrix", "cells", "size"),
+            keys=(
+                "geometry",
+                "inclusion",
+                "matrix",
+                "layers",
+                "hole",
+                "cells",
+                "size",
+                "spacing",
+            ),
         ),
     script:
         "../scripts/true_material.py"

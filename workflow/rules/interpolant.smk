@@ -1,6 +1,26 @@
-rule gradient:
+rule constrained:
     input:
         "results/{case}/measurement.nc",
+    output:
+        ensure("results/{case}/{method}/constrained.nc", non_empty=True),
+    log:
+        "results/logs/{case}/{method}/constrained.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/constrained.jsonl"
+    params:
+        code=CODE["constrained"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("constrained",)),
+    script:
+        "../scripts/constrained.py"
+
+
+rule gradient:
+    input:
+        unpack(
+            lambda w: field_inputs(
+                CONFIG, w.case, w.method, "measurement", "constrained"
+            )
+        ),
     output:
         ensure("results/{case}/{method}/gradient.nc", non_empty=True),
     log:

@@ -1,7 +1,9 @@
+LEARNING = ("measurement", "field", "homogenised", "constrained")
+
+
 rule homogenised:
     input:
-        "results/{case}/measurement.nc",
-        "results/{case}/{method}/interpolant.nc",
+        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
     output:
         ensure("results/{case}/{method}/homogenised.nc", non_empty=True),
     log:
@@ -19,9 +21,11 @@ rule homogenised:
 
 rule initialisation:
     input:
-        "results/{case}/measurement.nc",
-        "results/{case}/{method}/interpolant.nc",
-        "results/{case}/{method}/homogenised.nc",
+        unpack(
+            lambda w: field_inputs(
+                CONFIG, w.case, w.method, "measurement", "field", "homogenised"
+            )
+        ),
     output:
         ensure("results/{case}/{method}/initialised.nc", non_empty=True),
     log:
@@ -39,10 +43,8 @@ rule initialisation:
 
 rule pretraining:
     input:
-        "results/{case}/measurement.nc",
-        "results/{case}/{method}/interpolant.nc",
-        "results/{case}/{method}/homogenised.nc",
-        "results/{case}/{method}/initialised.nc",
+        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
+        previous="results/{case}/{method}/initialised.nc",
     output:
         ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
     log:
@@ -60,10 +62,8 @@ rule pretraining:
 
 rule training:
     input:
-        "results/{case}/measurement.nc",
-        "results/{case}/{method}/interpolant.nc",
-        "results/{case}/{method}/homogenised.nc",
-        "results/{case}/{method}/pretrained.nc",
+        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
+        previous="results/{case}/{method}/pretrained.nc",
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
     log:

@@ -11,7 +11,9 @@ rule measurement:
         case="|".join(map(re.escape, SYNTHETIC)) or "none",
     params:
         code=CODE["measurement"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("noise",), keys=("noise",)),
+        settings=lambda w: slice_for(
+            CONFIG, w.case, ("noise",), keys=("noise", "camera")
+        ),
     script:
         "../scripts/measurement.py"
 

@@ -11,7 +11,7 @@ with job(snakemake) as attributes:
         snakemake.wildcards.case,
         snakemake.input.measurement,
         snakemake.input.gradient,
-        snakemake.input.interpolant,
+        snakemake.input.field,
         snakemake.input.material,
         snakemake.output[0],
         attributes,

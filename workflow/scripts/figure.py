@@ -3,10 +3,17 @@
 from hypernode.runtime import job
 
 with job(snakemake):
-    from hypernode.figures import identification
+    settings = snakemake.params.settings
+    from hypernode.figures import anisotropy, comparison, identification, overview
 
-    identification.draw(
+    layouts = {
+        "anisotropy": anisotropy,
+        "comparison": comparison,
+        "identification": identification,
+        "overview": overview,
+    }
+    layouts[settings["kind"]].draw(
         dict(snakemake.input),
         {"pdf": snakemake.output.pdf, "png": snakemake.output.png},
-        snakemake.params.settings["step"],
+        settings,
     )

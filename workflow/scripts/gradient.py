@@ -8,7 +8,8 @@ with job(snakemake) as attributes:
     gradient.run(
         snakemake.params.settings["gradient"],
         snakemake.wildcards.case,
-        snakemake.input[0],
+        snakemake.input.measurement,
         snakemake.output[0],
         attributes,
+        constrained_file=snakemake.input.get("constrained"),
     )

@@ -9,7 +9,8 @@ with job(snakemake) as attributes:
     homogenised.run(
         partial_method(snakemake.params.settings),
         snakemake.wildcards.case,
-        *snakemake.input,
+        snakemake.input.measurement,
+        snakemake.input.field,
         snakemake.output[0],
         attributes,
     )

@@ -1,8 +1,9 @@
-"""The table of every run."""
+"""One table as CSV, Markdown and LaTeX."""
 
 from hypernode.runtime import job
 
 with job(snakemake):
     from hypernode.figures import summary
 
-    summary.write_tables(list(snakemake.input), snakemake.output.csv, snakemake.output.markdown)
+    files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
+    summary.write_tables(list(snakemake.input), snakemake.params.settings, files)

@@ -9,7 +9,7 @@ with job(snakemake) as attributes:
     training.run(
         partial_method(snakemake.params.settings),
         snakemake.wildcards.case,
-        list(snakemake.input),
+        dict(snakemake.input),
         snakemake.output[0],
         attributes,
     )

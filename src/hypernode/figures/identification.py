@@ -10,23 +10,15 @@ from hypernode.figures.style import (
     NEUTRAL,
     RC,
     STRAIN_MAP,
+    colour_bar,
     draw_field,
     outline,
     save,
     shared_norm,
+    unit_label,
 )
 from hypernode.mechanics.mesh import EDGES
 from hypernode.storage.netcdf import read, units_of
-
-
-def _colour_bar(figure, axes, mappable, label):
-    bar = figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03)
-    bar.set_label(label)
-    bar.outline.set_visible(False)
-
-
-def _unit(text: str) -> str:
-    return "" if text in ("1", "") else f" [{text}]"
 
 
 def _forces(axes, data, units):
@@ -52,7 +44,7 @@ def _forces(axes, data, units):
             axes.plot(stretch, found[:, edge, i], "x", color=colour, ms=4, label=f"$f_{component}$, {name}, identified")
             drawn += 1
     axes.set_xlabel("edge stretch [-]")
-    axes.set_ylabel("force" + _unit(f"{units['force']} · length" if units["length"] == "1" else units["force"]))
+    axes.set_ylabel("force" + unit_label(f"{units['force']} · length" if units["length"] == "1" else units["force"]))
     axes.set_ylim(bottom=0)
     axes.legend(frameon=False, loc="lower right", fontsize=6, handlelength=1.2)
 
@@ -70,42 +62,45 @@ def _curves(axes, data, units):
             )
     mode = "equibiaxial" if data.attrs["load"] in ("equibiaxial", "biaxial", "shear") else "uniaxial"
     axes.set_xlabel(f"{mode} stretch [-]")
-    axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + _unit(units["stress"]))
+    axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + unit_label(units["stress"]))
     # Room for the legend above the curves, which fill both lower corners.
     axes.set_ylim(top=1.5 * axes.get_ylim()[1])
     axes.legend(frameon=False, loc="upper left", fontsize=6, handlelength=1.2)
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
     """Draw strain, equilibrated stress, truth, identified field, forces and curves.
 
     Args:
         inputs: ``evaluation`` and, for synthetic cases, ``truth``: paths.
         files: format -> path.
-        step: load step of panels a and b.
+        settings: ``step`` is the load step of panels a and b.
     """
+    step = settings["step"]
     data = read(inputs["evaluation"])
     units = units_of(data)
     kind, stretch = data.attrs["load"], data.attrs["shape_stretch"]
     biaxial = kind in ("equibiaxial", "biaxial", "shear")
-    stress_label = ("tr $P$" if biaxial else "$P_{xX}$" if kind.endswith("x") else "$P_{yY}$") + _unit(units["stress"])
-    length = _unit(units["length"])
+    stress_label = ("tr $P$" if biaxial else "$P_{xX}$" if kind.endswith("x") else "$P_{yY}$") + unit_label(
+        units["stress"]
+    )
+    length = unit_label(units["length"])
     with plt.rc_context(RC):
         figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.4), layout="constrained")
         panels = dict(zip("abcdef", grid.ravel(), strict=True))
         strain = data["principal_strain"].values[step]
         shown = draw_field(panels["a"], data, strain, shared_norm(strain), STRAIN_MAP)
-        _colour_bar(figure, panels["a"], shown, "max. principal strain [-]")
+        colour_bar(figure, panels["a"], shown, "max. principal strain [-]")
         P = data["P_field"].values[step]
         normal = P[:, 0, 0] + P[:, 1, 1] if biaxial else P[:, 0, 0] if kind.endswith("x") else P[:, 1, 1]
         shown = draw_field(panels["b"], data, normal, shared_norm(np.percentile(normal, [1, 99])))
-        _colour_bar(figure, panels["b"], shown, stress_label)
+        colour_bar(figure, panels["b"], shown, stress_label)
         found = data["trace_P"].values
         if "P_true" in data:
             true = _true_indicator(inputs["truth"], data)
             norm = shared_norm(found, true)
             shown = draw_field(panels["c"], data, true, norm)
-            _colour_bar(figure, panels["c"], shown, stress_label)
+            colour_bar(figure, panels["c"], shown, stress_label)
         else:
             norm = shared_norm(found)
             if "shape_true" in data:
@@ -115,7 +110,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
                 panels["c"].axis("off")
         shown = draw_field(panels["d"], data, found, norm, FIELD_MAP)
         outline(panels["d"], data, data["shape"].values)
-        _colour_bar(figure, panels["d"], shown, stress_label)
+        colour_bar(figure, panels["d"], shown, stress_label)
         for (x, y), colour in zip(data["curve_location"].values, (MATRIX, INCLUSION), strict=True):
             panels["d"].plot(x, y, "s", color=colour, mec="white", ms=5)
         _forces(panels["e"], data, units)
@@ -140,7 +135,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], step: int) -> None:
 def _true_indicator(truth_file, data):
     """The true counterpart of the indicator field."""
     from hypernode.material import load_material
-    from hypernode.stages.evaluation import indicator
+    from hypernode.probes import indicator
 
     centres = data["X"].values[data["cells"].values].mean(axis=1)
     return indicator(load_material(truth_file), centres, data.attrs["load"], data.attrs["shape_stretch"])

@@ -13,7 +13,7 @@ from hypernode.storage.netcdf import write_bytes_atomically
 
 #: Okabe-Ito colours, told apart with any colour vision.
 MATRIX, INCLUSION, NEUTRAL = "#0072B2", "#D55E00", "#444444"
-FIELD_MAP, STRAIN_MAP = "viridis", "cividis"
+FIELD_MAP, STRAIN_MAP, ERROR_MAP, ANGLE_MAP = "viridis", "cividis", "magma", "twilight"
 
 RC = {
     "font.size": 8,
@@ -63,6 +63,18 @@ def shared_norm(*fields) -> Normalize:
     low = min(float(np.nanmin(f)) for f in fields)
     high = max(float(np.nanmax(f)) for f in fields)
     return Normalize(low, high if high > low else low + 1.0)
+
+
+def colour_bar(figure, axes, mappable, label):
+    """A slim labelled colour bar beside one panel or several."""
+    bar = figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03)
+    bar.set_label(label)
+    bar.outline.set_visible(False)
+
+
+def unit_label(text: str) -> str:
+    """A unit in brackets, nothing for a pure number."""
+    return "" if text in ("1", "") else f" [{text}]"
 
 
 def save(figure, files: dict[str, str]) -> None:

@@ -1,9 +1,12 @@
-"""The table of every run, as CSV and Markdown."""
+"""Tables of runs, of their times, and of what the configuration defines: CSV, Markdown and LaTeX."""
 
 import csv
 import io
 import json
+from fnmatch import fnmatch
 from pathlib import Path
+
+import numpy as np
 
 from hypernode.storage.netcdf import read, write_bytes_atomically
 
@@ -18,6 +21,7 @@ COLUMNS = {
     "Dice, registered": ("dice_registered", ".3f"),
     "IoU": ("iou", ".3f"),
     "boundary distance": ("boundary_distance", ".3g"),
+    "fibre angle error [degree]": ("fibre_angle_error", ".2f"),
     "NRMSE matrix": ("curve_nrmse_matrix", ".4f"),
     "NRMSE inclusion": ("curve_nrmse_inclusion", ".4f"),
     "R2 matrix": ("curve_r2_matrix", ".4f"),
@@ -27,32 +31,119 @@ COLUMNS = {
     "equilibrium gap": ("equilibrium_gap", ".4f"),
     "inclusion / matrix": ("inclusion_over_matrix", ".2f"),
     "interpolant misfit": ("interpolant_misfit", ".4f"),
+    "SNR measured [dB]": ("snr_measured", ".1f"),
+    "SNR smoothed [dB]": ("snr_smoothed", ".1f"),
+    "SNR used [dB]": ("snr_used", ".1f"),
+    "parameters": ("parameters", "d"),
 }
 
 
-def rows(evaluations: list[str]) -> list[dict[str, str]]:
-    """One row a run: case, method and every number of its evaluation, empty where it has none."""
-    table = []
+def _shown(value, fmt: str) -> str:
+    return "" if value is None or value != value else format(value, fmt)
+
+
+def run_rows(evaluations: list[str], columns: list[str], groups: dict[str, str]) -> list[dict[str, str]]:
+    """One row a run, or one a group of runs with mean, spread and worst value.
+
+    Args:
+        evaluations: evaluation files.
+        columns: names in :data:`COLUMNS`.
+        groups: label -> pattern of ``case/method``; runs are listed one by one where it is empty.
+    """
+    runs = []
     for path in sorted(evaluations):
         attributes = read(path).attrs
-        summary, run = json.loads(attributes["summary"]), json.loads(attributes["run"])
-        row = {"case": run["case"], "method": run["method"]}
-        for column, (key, fmt) in COLUMNS.items():
-            value = summary.get(key)
-            row[column] = "" if value is None or value != value else format(value, fmt)
-        table.append(row)
+        runs.append((json.loads(attributes["run"]), json.loads(attributes["summary"])))
+    if not groups:
+        return [
+            {"case": run["case"], "method": run["method"]}
+            | {name: _shown(summary.get(COLUMNS[name][0]), COLUMNS[name][1]) for name in columns}
+            for run, summary in runs
+        ]
+    table = []
+    for label, pattern in groups.items():
+        members = [summary for run, summary in runs if fnmatch(f"{run['case']}/{run['method']}", pattern)]
+        for statistic, function in (("mean", np.mean), ("spread", np.std), ("median", np.median), ("largest", np.max)):
+            row = {"group": label, "runs": str(len(members)), "statistic": statistic}
+            for name in columns:
+                key, fmt = COLUMNS[name]
+                values = [m[key] for m in members if m.get(key) is not None and m[key] == m[key]]
+                row[name] = _shown(float(function(values)) if values else None, fmt.replace("d", ".0f"))
+            table.append(row)
     return table
 
 
-def write_tables(evaluations: list[str], csv_file: str, markdown_file: str) -> None:
-    """Write the summary of all runs."""
-    table = rows(evaluations)
-    names = ["case", "method", *COLUMNS]
+def timing_rows(evaluations: list[str]) -> list[dict[str, str]]:
+    """Seconds of wall time and peak memory of every job, from the workflow's benchmark records."""
+    table = []
+    for path in sorted(map(Path, evaluations)):
+        case, method = path.parts[-3:-1]
+        records = path.parents[2] / "benchmarks" / case
+        for record in sorted([*records.glob("*.jsonl"), *(records / method).glob("*.jsonl")]):
+            values = json.loads(record.read_text(encoding="utf-8").splitlines()[-1])
+            row = {"case": case, "method": method, "stage": record.stem, "wall time [s]": f"{values['s']:.1f}"}
+            memory = values.get("max_rss")
+            table.append(row | {"memory [MB]": "" if memory in (None, "NA") else f"{float(memory):.0f}"})
+    return table
+
+
+def settings_rows(entries: dict[str, dict]) -> list[dict[str, str]]:
+    """One row an entry of a section of the configuration, its settings in one column each."""
+    flat = {name: _flatten(entry) for name, entry in entries.items()}
+    keys = list(dict.fromkeys(key for entry in flat.values() for key in entry))
+    return [{"name": name} | {key: entry.get(key, "") for key in keys} for name, entry in flat.items()]
+
+
+def _flatten(entry, prefix: str = "") -> dict[str, str]:
+    flat = {}
+    for key, value in entry.items():
+        if isinstance(value, dict):
+            flat |= _flatten(value, f"{prefix}{key}.")
+        elif value is not None:
+            flat[prefix + key] = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    return flat
+
+
+def _csv(names, table) -> str:
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, names, lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)
+    return buffer.getvalue()
+
+
+def _markdown(names, table) -> str:
     lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
     lines += ["| " + " | ".join(row[name] for name in names) + " |" for row in table]
-    for path, text in ((csv_file, buffer.getvalue()), (markdown_file, "\n".join(lines) + "\n")):
-        write_bytes_atomically(path, lambda temporary, text=text: Path(temporary).write_text(text, encoding="utf-8"))
+    return "\n".join(lines) + "\n"
+
+
+def _latex(names, table) -> str:
+    def line(cells):
+        return " & ".join(cell.replace("_", r"\_").replace("%", r"\%") for cell in cells) + r" \\"
+
+    body = [line(names), r"\midrule", *(line([row[name] for name in names]) for row in table)]
+    head = r"\begin{tabular}{" + "l" * len(names) + "}"
+    return "\n".join([head, r"\toprule", *body, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def write_tables(evaluations: list[str], settings: dict, files: dict[str, str]) -> None:
+    """Write one table.
+
+    Args:
+        evaluations: evaluation files of the runs in it.
+        settings: ``kind`` (runs, timing or settings), and ``columns`` and ``groups``, or ``entries``.
+        files: ``csv``, ``markdown`` and ``latex`` paths.
+    """
+    if settings["kind"] == "runs":
+        table = run_rows(evaluations, settings["columns"] or list(COLUMNS), settings["groups"])
+    elif settings["kind"] == "timing":
+        table = timing_rows(evaluations)
+    else:
+        table = settings_rows(settings["entries"])
+    names = list(table[0]) if table else ["case", "method"]
+    for kind, text in (("csv", _csv), ("markdown", _markdown), ("latex", _latex)):
+        content = text(names, table)
+        write_bytes_atomically(
+            files[kind], lambda temporary, content=content: Path(temporary).write_text(content, encoding="utf-8")
+        )

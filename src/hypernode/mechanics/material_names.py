@@ -1,6 +1,9 @@
 """Parameters of the closed-form materials and their ranges; free of imports so that the config can
 read it fast. Moduli in the stress unit of the test, fibre_angle in degrees."""
 
+#: Terms that the convex basis may have beside the neo-Hookean one.
+BASIS_TERMS = ("I1_squared", "I2", "fibre")
+
 _MODULUS, _ANY = (1e-12, 1e12), (-1e12, 1e12)
 
 #: Model -> parameter -> (lowest, highest) allowed value.

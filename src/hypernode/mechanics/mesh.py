@@ -52,6 +52,16 @@ class Mesh:
         position = self.upper[axis] if sign > 0 else self.lower[axis]
         return np.abs(self.nodes[:, axis] - position) <= 1e-9 * self.size[axis]
 
+    def neighbours(self) -> tuple[Int[np.ndarray, "face 2"], Float[np.ndarray, " face"], Float[np.ndarray, "face 2"]]:
+        """(the two cells, length, midpoint) of every side that two cells share."""
+        sides = np.sort(self.cells[:, [[0, 1], [1, 2], [2, 3], [3, 0]]], axis=-1).reshape(-1, 2)
+        owner = np.repeat(np.arange(len(self.cells)), 4)
+        order = np.lexsort(sides.T)
+        shared = np.flatnonzero((sides[order][1:] == sides[order][:-1]).all(axis=1))
+        ends = self.nodes[sides[order[shared]]]
+        pairs = np.stack([owner[order[shared]], owner[order[shared + 1]]], axis=1)
+        return pairs, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), ends.mean(axis=1)
+
     def gradient_operator(self) -> Float[np.ndarray, "cell 4 2"]:
         """dN_a/dX_J at the cell centres: multiply nodal values and sum over a to differentiate."""
         corner = self.nodes[self.cells]

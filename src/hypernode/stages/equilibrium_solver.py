@@ -10,13 +10,14 @@ import logging
 import sys
 import types
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from hypernode.errors import ExpectedError
 from hypernode.mechanics.kinematics import invariants
@@ -50,6 +51,20 @@ def _import_jax_fem():
         if absent:
             del sys.modules["gmsh"]
     return jax_fem
+
+
+class Equilibrium(NamedTuple):
+    """Where Newton's method ended: displacement, relative residuals, nodal forces, tangent."""
+
+    u: np.ndarray | None
+    history: list[float]
+    force: np.ndarray
+    tangent: scipy.sparse.csc_matrix
+
+
+def factorise(matrix) -> scipy.sparse.linalg.SuperLU:
+    """Sparse factors of a symmetric matrix."""
+    return scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
 
 class EquilibriumSolver:
@@ -87,6 +102,12 @@ class EquilibriumSolver:
         ]
 
     @property
+    def shape_gradients(self) -> tuple[Array, Array]:
+        """(dN_a/dX_J (cell, quad, 4, 2), quadrature weights (cell, quad)) of the bilinear cells."""
+        element = self._problem.fes[0]
+        return jnp.asarray(element.shape_grads), jnp.asarray(element.JxW)
+
+    @property
     def quadrature_points(self) -> Float[np.ndarray, "cell quad 2"]:
         """Reference positions of the quadrature points."""
         return np.asarray(self._problem.physical_quad_points)
@@ -99,7 +120,8 @@ class EquilibriumSolver:
         """Nodal forces that hold the sheet in the state ``u``, per unit thickness."""
         return np.asarray(self._problem.compute_residual([jnp.asarray(u)])[0])
 
-    def _tangent(self, u):
+    def tangent(self, u: Float[np.ndarray, "node 2"]):
+        """(nodal forces as a flat vector, sparse tangent stiffness) in the state ``u``."""
         residual = np.asarray(self._problem.newton_update([jnp.asarray(u)])[0]).ravel()
         dofs = residual.size
         K = scipy.sparse.coo_matrix((self._problem.V, (self._problem.I, self._problem.J)), (dofs, dofs))
@@ -127,25 +149,23 @@ class EquilibriumSolver:
         it times the norm at the first guess where there is no reaction.
 
         Returns:
-            (u, relative residuals) or (None, relative residuals) where it does not converge.
+            The state reached; its ``u`` is None where Newton's method does not converge.
         """
         free = np.setdiff1d(np.arange(u.size), fixed)
         u, history = u.copy(), []
         for _ in range(MAX_ITERATIONS):
-            residual, K = self._tangent(u)
+            residual, K = self.tangent(u)
             scale = max(np.linalg.norm(residual[fixed]), 1e-300)
             history.append(np.linalg.norm(residual[free]) / scale)
             if not np.isfinite(history[-1]) or history[-1] > 1e8:
-                return None, history
+                break
             if history[-1] <= tolerance:
-                return u, history
-            factor = scipy.sparse.linalg.splu(
-                K[free][:, free], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
-            )
+                return Equilibrium(u, history, residual, K)
+            factor = factorise(K[free][:, free])
             step = np.zeros(u.size)
             step[free] = factor.solve(residual[free])
             u = u - step.reshape(u.shape)
-        return None, history
+        return Equilibrium(None, history, residual, K)
 
     def solve(self, load: Load, progress: Callable = lambda step, history: None):
         """Displacements at every load step, each started from the last plus an affine increment.
@@ -171,9 +191,10 @@ class EquilibriumSolver:
             while fraction < 1.0:
                 size = min(size, 1.0 - fraction)
                 new_H = start[1] + (fraction + size) * (target - start[1])
-                found, history = self.newton(u + position @ (new_H - H).T, fixed)
-                if found is not None:
-                    u, H, fraction = found, new_H, fraction + size
+                found = self.newton(u + position @ (new_H - H).T, fixed)
+                history = found.history
+                if found.u is not None:
+                    u, H, fraction = found.u, new_H, fraction + size
                     continue
                 bisections += 1
                 if bisections > MAX_BISECTIONS:
@@ -208,4 +229,4 @@ def closed_form_stress(models: tuple[str, ...]) -> Callable:
     return stress
 
 
-__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress"]
+__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress", "factorise"]

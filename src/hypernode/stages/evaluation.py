@@ -7,12 +7,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Config, Image
-from hypernode.material import Material, load_material
+from hypernode.material import load_material, nearest_cell
 from hypernode.mechanics.equilibrium import EquilibriumGap, nodal_force_matrices
 from hypernode.mechanics.kinematics import largest_principal_strain
 from hypernode.mechanics.mesh import EDGES
-from hypernode.stages.fields import Loading, mesh_of
+from hypernode.probes import MODES, curves, indicator, mode_gradients, preferred_direction, stress_at_common_F
+from hypernode.stages.fields import Loading, field_gradient, mesh_of
+from hypernode.stages.fields import deformation_gradient as element_gradient
 from hypernode.stages.geometry import make_shape
+from hypernode.stages.gradient import signal_to_noise
 from hypernode.stages.shape import (
     boundary_distance,
     dice,
@@ -23,28 +26,11 @@ from hypernode.stages.shape import (
 )
 from hypernode.storage.netcdf import read, units_of, write
 
-MODES = ("equibiaxial", "strip_x", "strip_y", "shear")
 #: Stretch at which the shape is read from the stress.
 SHAPE_STRETCH = 1.1
 CURVE_POINTS = 21
-
-
-def mode_gradients(stretches) -> np.ndarray:
-    """F[mode, stretch, i, J] of the judged homogeneous deformations (shear by stretch - 1)."""
-    F = np.tile(np.eye(2), (len(MODES), len(stretches), 1, 1))
-    extra = np.asarray(stretches) - 1.0
-    F[0, :, 0, 0] += extra
-    F[0, :, 1, 1] += extra
-    F[1, :, 0, 0] += extra
-    F[2, :, 1, 1] += extra
-    F[3, :, 0, 1] += extra
-    return F
-
-
-def stress_at_common_F(material: Material, X, F) -> np.ndarray:
-    """P[mode, stretch, cell, i, J] when every point undergoes the same F[mode, stretch]."""
-    P = [material.stress(X, jnp.broadcast_to(f, (len(X), 2, 2))) for f in F.reshape(-1, 2, 2)]
-    return np.stack([np.asarray(p, float) for p in P]).reshape(*F.shape[:2], len(X), 2, 2)
+#: Difference over sum of the principal stresses above which a material has a fibre direction to find.
+SMALLEST_ANISOTROPY = 0.05
 
 
 def relative_error(found, true, weights) -> float:
@@ -64,49 +50,6 @@ def contrast(found, true, weights) -> tuple[float, float]:
     error = np.sqrt(np.sum(w * (found - true) ** 2) / spread)
     cross = np.sum(w * deviation * found_deviation)
     return float(error), float(cross / np.sqrt(spread * np.sum(w * found_deviation**2)))
-
-
-def uniaxial_stress(material: Material, X, stretch: float, axis: int) -> np.ndarray:
-    """Normal stresses (point, 2) under a uniaxial *stress* along ``axis`` at the given stretch.
-
-    The transverse stretch follows from a vanishing transverse stress by Newton's method.
-    """
-    across = 1 - axis
-    transverse = np.full(len(X), stretch**-0.5)
-    for _ in range(30):
-        F = np.zeros((len(X), 2, 2))
-        F[:, axis, axis], F[:, across, across] = stretch, transverse
-        P = np.asarray(material.stress(X, F), float)
-        slope = np.asarray(material.tangent(X, F), float)[:, across, across, across, across]
-        step = P[:, across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
-        transverse = np.clip(transverse - step, 0.3, 3.0)
-        if np.abs(step).max() < 1e-7:
-            break
-    return np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1)
-
-
-def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
-    """Normal stresses (location, stretch, 2) along the stretch of the test's own kind."""
-    found = []
-    for s in stretches:
-        if kind in ("equibiaxial", "biaxial", "shear"):
-            P = np.asarray(material.stress(X, np.tile(np.diag([s, s]), (len(X), 1, 1))), float)
-            found.append(np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1))
-        else:
-            found.append(uniaxial_stress(material, X, float(s), 0 if kind.endswith("x") else 1))
-    return np.stack(found, axis=1)
-
-
-def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
-    """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
-    stress at an isochoric uniaxial stretch for uniaxial tests."""
-    if kind in ("equibiaxial", "biaxial", "shear"):
-        P = np.asarray(material.stress(X, np.tile(np.diag([stretch, stretch]), (len(X), 1, 1))), float)
-        return P[:, 0, 0] + P[:, 1, 1]
-    axis = 0 if kind.endswith("x") else 1
-    diagonal = np.full(2, stretch**-0.5)
-    diagonal[axis] = stretch
-    return np.asarray(material.stress(X, np.tile(np.diag(diagonal), (len(X), 1, 1))), float)[:, axis, axis]
 
 
 def _equilibrium(mesh, loading: Loading, P):
@@ -138,12 +81,18 @@ def _equilibrium(mesh, loading: Loading, P):
     return forces, residual, gap
 
 
+def weight_count(material_file: str) -> int:
+    """Number of trained weights of an identified material."""
+    file = read(material_file)
+    return int(sum(file[v].size for v in file if v.startswith("hypernetwork.") and "frequencies" not in v))
+
+
 def run(
     config: Config,
     name: str,
     measurement_file: str,
     gradient_file: str,
-    interpolant_file: str,
+    field_file: str,
     material_file: str,
     output: str,
     attributes: dict,
@@ -151,7 +100,7 @@ def run(
 ) -> None:
     """Judge one run and write every number and field that figures and tables show."""
     case = config.cases[name]
-    measurement, gradient, interpolant = read(measurement_file), read(gradient_file), read(interpolant_file)
+    measurement, gradient, deformation = read(measurement_file), read(gradient_file), read(field_file)
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
     X = mesh.centres
     found = load_material(material_file)
@@ -159,7 +108,7 @@ def run(
     largest = float(measurement["stretch"].values.max())
     stretches = np.array(case.judged_stretches or measurement["stretch"].values[loading.test == 0])
     F = mode_gradients(stretches)
-    F_seen = interpolant["F_interpolated"].values
+    F_seen = np.moveaxis(field_gradient(deformation), (0, 1), (2, 3))
     P_field = np.stack([np.asarray(found.stress(X, f), float) for f in F_seen])
     forces, residual, gap = _equilibrium(mesh, loading, P_field)
     thickness = float(measurement.attrs["thickness"])
@@ -189,19 +138,21 @@ def run(
         "equilibrium_residual": residual,
         "equilibrium_gap": gap,
         "curve_stretch": curve_stretch,
-        "misfit": interpolant["misfit"].values,
         "principal_strain": np.asarray(largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))),
     }
     summary = {
         "case": name,
+        "parameters": weight_count(material_file),
         "edge_force_error": float(force_error.max()),
         "equilibrium_residual": float(residual.max()),
         "equilibrium_gap": float(gap.max()),
-        "interpolant_misfit": float(interpolant["misfit"].values.max()),
     }
+    if "misfit" in deformation:
+        variables["misfit"] = deformation["misfit"].values
+        summary["interpolant_misfit"] = float(variables["misfit"].max())
     true_shape = None
     if truth_file:
-        true_shape = _judge_truth(truth_file, mesh, F, kind, variables, summary)
+        true_shape = _judge_truth(truth_file, found, mesh, F, kind, variables, summary)
     elif case.specimen and Path(config.specimens[case.specimen].shape_image or "/").is_file():
         true_shape = _judge_printed(config.specimens[case.specimen], measurement, mesh, shape, summary)
     if true_shape is not None:
@@ -220,8 +171,13 @@ def run(
         summary |= _curve_scores(variables["curve_identified"], variables["curve_true"])
     if shape.any() and not shape.all():
         summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
-    if "snr" in gradient:
-        variables["snr"] = gradient["snr"].values
+    if "F_truth" in measurement:
+        true_F = measurement["F_truth"].values
+        raw = element_gradient(mesh, measurement["u_measured"].values.mean(axis=0))
+        for label, F_seen_by in (("measured", raw), ("smoothed", gradient["F"].values), ("used", F_seen)):
+            variables[f"snr_{label}"] = signal_to_noise(F_seen_by, true_F)
+            summary[f"snr_{label}"] = float(variables[f"snr_{label}"].mean())
+    parents = (measurement_file, gradient_file, field_file, material_file, truth_file)
     write(
         output,
         variables,
@@ -235,16 +191,17 @@ def run(
             "shape_stretch": shape_stretch,
             "summary": summary,
         },
-        parents=[p for p in (measurement_file, gradient_file, interpolant_file, material_file, truth_file) if p],
+        parents=[p for p in dict.fromkeys(parents) if p],
     )
 
 
-def _judge_truth(truth_file, mesh, F, kind, variables, summary):
+def _judge_truth(truth_file, found, mesh, F, kind, variables, summary):
     """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
     truth, true = read(truth_file), load_material(truth_file)
     X, areas = mesh.centres, mesh.areas
     P_true, P = stress_at_common_F(true, X, F), variables["P_identified"]
-    phase = truth["phase"].values
+    largest = float(F[0, -1, 0, 0])
+    phase = truth["phase"].values[nearest_cell(truth)(X)]
     phases = json.loads(truth.attrs["phases"])
     by_mode = [[relative_error(P[m, s], P_true[m, s], areas) for s in range(F.shape[1])] for m in range(len(MODES))]
     by_phase = [
@@ -272,6 +229,17 @@ def _judge_truth(truth_file, mesh, F, kind, variables, summary):
         "stress_error_phase": np.array(by_phase),
         "phase": phase,
     }
+    anisotropy, angle = preferred_direction(found, X, largest)
+    true_anisotropy, true_angle = preferred_direction(true, X, largest)
+    fibres = true_anisotropy > SMALLEST_ANISOTROPY
+    variables |= {"anisotropy": anisotropy, "fibre_angle": angle}
+    variables |= {"anisotropy_true": true_anisotropy, "fibre_angle_true": true_angle}
+    if fibres.any():
+        off = np.abs((angle - true_angle + 90.0) % 180.0 - 90.0)[fibres]
+        summary |= {
+            "fibre_angle_error": float(np.median(off)),
+            "anisotropy_error": float(np.median(np.abs(anisotropy - true_anisotropy)[fibres])),
+        }
     summary |= {
         "stress_error": relative_error(P[seen], P_true[seen], areas),
         "stress_error_all_modes": relative_error(P, P_true, areas),

@@ -20,6 +20,12 @@ def deformation_gradient(mesh: Mesh, u: Float[np.ndarray, "... node 2"]) -> Floa
     return np.einsum("...cai,caJ->...ciJ", u[..., mesh.cells, :], mesh.gradient_operator()) + np.eye(2)
 
 
+def field_gradient(dataset: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
+    """F[i, J, step, cell] at the cell centres, of an interpolant file or of a gradient file."""
+    name = "F_interpolated" if "F_interpolated" in dataset else "F"
+    return np.moveaxis(dataset[name].values, (2, 3), (0, 1))
+
+
 @dataclass(frozen=True)
 class Loading:
     """What is known about the loading of every step, in stresses rather than forces.

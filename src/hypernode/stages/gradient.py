@@ -40,15 +40,19 @@ def signal_to_noise(F, F_truth):
 METHODS = {"element": deformation_gradient, "finite_difference": central_differences}
 
 
-def run(kind: str, name: str, measurement_file: str, output: str, attributes: dict) -> None:
-    """Differentiate the mean of the repeats.
+def run(
+    kind: str, name: str, measurement_file: str, output: str, attributes: dict, constrained_file: str | None = None
+) -> None:
+    """Differentiate the mean of the repeats, or the equilibrium field that explains them.
 
     Args:
         kind: ``element`` (bilinear shape functions) or ``finite_difference`` (central differences).
+        constrained_file: file of the equilibrium field, if the method has one.
     """
     measurement = read(measurement_file)
     mesh = mesh_of(measurement)
-    F = METHODS[kind](mesh, measurement["u_measured"].values.mean(axis=0))
+    u = read(constrained_file)["u"].values if constrained_file else measurement["u_measured"].values.mean(axis=0)
+    F = METHODS[kind](mesh, u)
     J = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
     if (J <= 0).any():
         step, cell = np.unravel_index(int(np.argmin(J)), J.shape)
@@ -66,5 +70,5 @@ def run(kind: str, name: str, measurement_file: str, output: str, attributes: di
         variables,
         f"deformation gradients of {name}",
         {**attributes, "units": units_of(measurement), "gradient": kind},
-        parents=[measurement_file],
+        parents=[p for p in (measurement_file, constrained_file) if p],
     )

@@ -11,8 +11,7 @@ from hypernode.config import Method
 from hypernode.material import node_stress
 from hypernode.mechanics.kinematics import invariants
 from hypernode.networks.node_material import NodeMaterial
-from hypernode.stages.fields import Loading, mesh_of
-from hypernode.stages.interpolant import InterpolatedGradient
+from hypernode.stages.fields import Loading, field_gradient, mesh_of
 from hypernode.stages.optimisation import minimise
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -21,17 +20,16 @@ from hypernode.storage.netcdf import read, units_of, write
 RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-6
 
 
-def run(method: Method, name: str, measurement_file: str, interpolant_file: str, output: str, attributes: dict) -> None:
+def run(method: Method, name: str, measurement_file: str, field_file: str, output: str, attributes: dict) -> None:
     """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
 
     Components whose resultant is not measured and that are not free carry no data. The stress unit
     and the invariant unit of the networks are set here, from the largest load step.
     """
-    measurement, interpolant = read(measurement_file), read(interpolant_file)
+    measurement, field = read(measurement_file), read(field_file)
     loading, mesh = Loading.of(measurement), mesh_of(measurement)
     weights = mesh.areas / mesh.areas.sum()
-    F = InterpolatedGradient(interpolant)(jnp.asarray(mesh.centres, jnp.float32))
-    mean_F = jnp.sum(F * jnp.asarray(weights, jnp.float32), axis=-1, keepdims=True)
+    mean_F = jnp.asarray(np.sum(field_gradient(field) * weights, axis=-1, keepdims=True), jnp.float32)
     largest = max(float(jnp.max(invariants(mean_F, jnp.zeros(()))[k])) - 3.0 for k in range(2))
     node = NodeMaterial(
         tuple(method.node.terms),
@@ -67,5 +65,5 @@ def run(method: Method, name: str, measurement_file: str, interpolant_file: str,
         },
         f"homogenised material of {name}",
         {**attributes, "units": units_of(measurement), "node": json.dumps(dataclasses.asdict(node))},
-        parents=[measurement_file, interpolant_file],
+        parents=[measurement_file, field_file],
     )

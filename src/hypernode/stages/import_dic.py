@@ -123,6 +123,8 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             **attributes,
             "units": EXPERIMENT_UNITS,
             "tests": [specimen.load],
+            # Correlation windows never reach the edge of the sheet.
+            "outline": "cut",
             "thickness": specimen.thickness,
             "displacement_noise": specimen.noise_pixels * mm,
             "frames": numbers,

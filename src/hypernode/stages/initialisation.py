@@ -12,13 +12,13 @@ from hypernode.stages.optimisation import minimise
 LAST_KERNEL = 0.01
 
 
-def run(method: Method, name: str, parents: list[str], output: str, attributes: dict) -> None:
+def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
     """Set the last layer's bias to the homogenised parameters, then fit what little is left.
 
     Args:
-        parents: measurement, interpolant and homogenised files.
+        files: paths, see :meth:`InverseProblem.load`.
     """
-    problem = InverseProblem.load(method, name, *parents)
+    problem = InverseProblem.load(method, name, files)
     network = problem.new_network(method.seed + 1)
     last = network.layers[-1]
     last.bias[...] = problem.centre
@@ -31,4 +31,4 @@ def run(method: Method, name: str, parents: list[str], output: str, attributes: 
     params, *history = minimise(
         loss, params, method.initialisation, stage="initialisation", case=name, seed=method.seed
     )
-    problem.save(output, apply(params), history, "initialised hyper-network", attributes, parents)
+    problem.save(output, apply(params), history, "initialised hyper-network", attributes)

@@ -2,20 +2,42 @@
 
 import dataclasses
 import json
+from collections.abc import Mapping
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Frequencies, Method
-from hypernode.material import node_stress
+from hypernode.material import basis_field, node_stress
 from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.mesh import Mesh
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
-from hypernode.stages.fields import Loading, mesh_of
-from hypernode.stages.interpolant import InterpolatedGradient
+from hypernode.stages.fields import Loading, field_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
+
+
+@dataclasses.dataclass
+class Target:
+    """Stresses to be learnt before equilibrium is asked for.
+
+    Attributes:
+        F: deformations [i, J, case, cell].
+        P: stresses over ``scale`` at them, of the same shape.
+        known: 1 where a component is known, broadcastable to the same shape.
+        scale: stress unit of each case.
+    """
+
+    F: jax.Array
+    P: jax.Array
+    known: jax.Array
+    scale: jax.Array
+
+    def misfit(self, node: NodeMaterial, node_params, cells=slice(None)):
+        """Mean squared relative error of the stress of some cells with the given parameters."""
+        P = node_stress(node, self.F[..., cells], node_params) / self.scale[:, None]
+        return jnp.mean(self.known * (P - self.P[..., cells]) ** 2)
 
 
 @dataclasses.dataclass
@@ -24,7 +46,7 @@ class InverseProblem:
 
     Attributes:
         mesh: the measured grid; ``X`` are its cell centres scaled to the longest side (cell, 2).
-        F: interpolated deformation gradient at the centres [i, J, step, cell].
+        F: deformation gradient at the centres [i, J, step, cell].
         gaps: one equilibrium measure a test.
         centre: homogenised parameters, about which the prior is centred.
     """
@@ -34,32 +56,37 @@ class InverseProblem:
     X: jax.Array
     F: jax.Array
     loading: Loading
-    interpolated: InterpolatedGradient
     node: NodeMaterial
     centre: jax.Array
     length: float
     units: dict
     hypernetwork: str
+    files: Mapping[str, str]
 
     @classmethod
-    def load(cls, method: Method, name: str, measurement_file: str, interpolant_file: str, homogenised_file: str):
-        """Assemble from the files of the earlier stages."""
-        measurement, homogenised = read(measurement_file), read(homogenised_file)
-        interpolated = InterpolatedGradient(file := read(interpolant_file))
-        mesh, length = mesh_of(measurement), float(file.attrs["length_scale"])
+    def load(cls, method: Method, name: str, files: Mapping[str, str]):
+        """Assemble from the files of the earlier stages.
+
+        Args:
+            files: ``measurement``, ``field`` (interpolant or gradient), ``homogenised``, and where the
+                method has one ``constrained``.
+        """
+        measurement, homogenised = read(files["measurement"]), read(files["homogenised"])
+        mesh = mesh_of(measurement)
+        length = float(mesh.size.max())
         spec = {k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(homogenised.attrs["node"]).items()}
         return cls(
             name,
             mesh,
             jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32),
-            interpolated(jnp.asarray(mesh.centres, jnp.float32)),
+            jnp.asarray(field_gradient(read(files["field"])), jnp.float32),
             Loading.of(measurement),
-            interpolated,
             NodeMaterial(**spec),
             jnp.asarray(homogenised["node_params"].values, jnp.float32),
             length,
             units_of(measurement),
             method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields)),
+            files,
         )
 
     @property
@@ -71,13 +98,29 @@ class InverseProblem:
         """A hyper-network with random weights; its width follows from the NODE architecture."""
         return make_network(Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size, seed)
 
-    def trainable(self, file: str):
-        """(params, params -> network) of the network stored by an earlier stage."""
-        return split_trainable(from_arrays(self.new_network(0), read(file), "hypernetwork"))
+    def trainable(self):
+        """(params, params -> network) of the network that the stage before left, ``files["previous"]``."""
+        return split_trainable(from_arrays(self.new_network(0), read(self.files["previous"]), "hypernetwork"))
 
     def stress(self, node_params):
         """P[i, J, step, cell] at the measured deformation."""
         return node_stress(self.node, self.F, node_params)
+
+    def target(self) -> "Target":
+        """What pre-training aims at: the stress of the constrained field where there is one, at each
+        cell's own deformation and at the mean one of each step; force over cross-section otherwise."""
+        scale = self.loading.scale[:, None]
+        if "constrained" not in self.files:
+            P = np.moveaxis(self.loading.P_average, 0, -1)[..., None] / scale
+            P = np.broadcast_to(P, self.F.shape)
+            return Target(self.F, jnp.asarray(P, jnp.float32), jnp.asarray(self.loading.target_weight), self.scale)
+        basis, params = basis_field(read(self.files["constrained"]))
+        weights = jnp.asarray(self.mesh.areas / self.mesh.areas.sum(), jnp.float32)
+        mean = jnp.broadcast_to(jnp.sum(self.F * weights, axis=-1, keepdims=True), self.F.shape)
+        F = jnp.concatenate([self.F, mean], axis=2)
+        P = jax.jit(basis.stress)(F, jnp.asarray(params, jnp.float32)[:, None])
+        scale = jnp.concatenate([self.scale, self.scale])
+        return Target(F, P / scale[:, None], jnp.ones((2, 2, 1, 1)), scale)
 
     def gaps(self):
         """(steps, :class:`EquilibriumGap`) of each test."""
@@ -90,7 +133,7 @@ class InverseProblem:
             for k in range(loading.test.max() + 1)
         ]
 
-    def save(self, output, network, history, title, attributes, parents) -> None:
+    def save(self, output, network, history, title, attributes) -> None:
         """Write the network with everything :func:`hypernode.load_material` needs."""
         losses, iterations = history
         write(
@@ -112,5 +155,5 @@ class InverseProblem:
                 "hypernetwork": self.hypernetwork,
                 "length_scale": self.length,
             },
-            parents=parents,
+            parents=list(self.files.values()),
         )

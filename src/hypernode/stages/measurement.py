@@ -1,30 +1,73 @@
 """Stage 2: what cameras and load cell would record of a synthetic test."""
 
 import numpy as np
+from scipy.interpolate import RectBivariateSpline
+from scipy.ndimage import uniform_filter1d
 
-from hypernode.config import Config
+from hypernode.config import Camera, Config
+from hypernode.mechanics.mesh import Mesh, rectilinear
 from hypernode.stages.fields import deformation_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
+#: Points a measured cell at which the displacement is averaged.
+FINE = 16
+
+
+def seen_by(camera: Camera, mesh: Mesh, u):
+    """The displacement on the camera's own grid: averaged over its window, then sampled.
+
+    Args:
+        mesh: finite-element mesh of a sheet without holes.
+        u: nodal displacements (step, node, 2).
+
+    Returns:
+        (mesh of the measured grid, displacements on it).
+    """
+    x, y = np.unique(mesh.nodes[:, 0]), np.unique(mesh.nodes[:, 1])
+    fine = [np.linspace(line[0], line[-1], FINE * n + 1) for line, n in zip((x, y), camera.cells, strict=True)]
+    lines = [line[::FINE] for line in fine]
+    widths = [max(1, round(camera.window / (line[1] - line[0]))) for line in fine]
+    seen = np.empty((len(u), len(lines[1]) * len(lines[0]), 2))
+    for step, field in enumerate(u):
+        for i in range(2):
+            values = RectBivariateSpline(y, x, field[:, i].reshape(len(y), len(x)), kx=1, ky=1)
+            rows = _averaged(values(fine[1], fine[0]), widths[1], 0)[::FINE]
+            seen[step, :, i] = _averaged(rows, widths[0], 1)[:, ::FINE].ravel()
+    return rectilinear(*lines), seen
+
+
+def _averaged(values, width: int, axis: int):
+    """Moving average; beyond the edge the field goes on antisymmetrically, so that a linear one stays."""
+    half = width // 2
+    if half == 0:
+        return values
+    padding = [(half, half) if k == axis else (0, 0) for k in range(2)]
+    padded = np.pad(values, padding, mode="reflect", reflect_type="odd")
+    cut = [slice(half, -half) if k == axis else slice(None) for k in range(2)]
+    return uniform_filter1d(padded, 2 * half + 1, axis=axis)[tuple(cut)]
+
 
 def run(config: Config, name: str, forward_file: str, output: str, attributes: dict) -> None:
-    """Add normally distributed noise to the nodal displacements.
+    """Sample the nodal displacements on the camera's grid and add normally distributed noise.
 
     Every repeat draws from its own stream, seeded by (seed, repeat), so that adding a repeat leaves
     the others as they were.
     """
     forward = read(forward_file)
-    noise = config.noise[config.cases[name].noise] if config.cases[name].noise else None
-    u = forward["u"].values
+    case = config.cases[name]
+    noise = config.noise[case.noise] if case.noise else None
+    mesh, u = mesh_of(forward), forward["u"].values
+    if case.camera:
+        mesh, u = seen_by(case.camera, mesh, u)
     repeats = noise.repeats if noise else 1
     measured = np.repeat(u[None], repeats, axis=0)
     if noise and noise.sigma > 0:
         for repeat in range(repeats):
             rng = np.random.default_rng(np.random.SeedSequence([noise.seed, repeat]))
             measured[repeat] += rng.normal(0.0, noise.sigma, u.shape)
-    mesh = mesh_of(forward)
-    copied = ("X", "cells", "corners", "test", "stretch", "H", "edge_force", "edge_constrained")
+    copied = ("corners", "test", "stretch", "H", "edge_force", "edge_constrained")
     variables = {key: forward[key].values for key in copied}
+    variables |= {"X": mesh.nodes, "cells": mesh.cells}
     variables |= {"u_measured": measured, "u_truth": u, "F_truth": deformation_gradient(mesh, u)}
     carried = {key: forward.attrs[key] for key in ("tests", "thickness")}
     write(
@@ -35,6 +78,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             **attributes,
             **carried,
             "units": units_of(forward),
+            "outline": "edge",
             "displacement_noise": noise.sigma if noise else 0.0,
         },
         parents=[forward_file],

@@ -9,8 +9,10 @@ import numpy as np
 from hypernode.config import Method, Training
 from hypernode.material import node_stress
 from hypernode.mechanics.equilibrium import nodal_force_matrices
+from hypernode.stages.interpolant import InterpolatedGradient
 from hypernode.stages.inverse_problem import InverseProblem
 from hypernode.stages.optimisation import minimise
+from hypernode.storage.netcdf import read
 
 #: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
 DEFAULT_POINTS = 250
@@ -23,16 +25,9 @@ def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
         for steps, gap in problem.gaps()
     ]
 
-    target = jnp.asarray(np.moveaxis(problem.loading.P_average, 0, -1)[..., None], jnp.float32)
-    known = jnp.asarray(problem.loading.target_weight, jnp.float32)
-
     def loss(network, key):
         P = problem.stress(network(problem.X).T)
-        total = (
-            settings.uniformity_weight
-            * len(problem.loading.t)
-            * jnp.mean(jnp.sum(known * ((P - target) / problem.scale[:, None]) ** 2, axis=(0, 1)))
-        )
+        total = 0.0
         for steps, gap, resultant, scale in tests:
             total += sum(jnp.sum(r**2) for r in gap.residuals(P[:, :, steps], resultant, scale))
         return settings.equilibrium_weight * total / len(problem.loading.t)
@@ -127,7 +122,8 @@ def autodiff(problem: InverseProblem, settings: Training) -> Callable:
     """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss."""
     X = jnp.asarray(problem.mesh.centres, jnp.float32)
     unit = jnp.eye(2)
-    dF = jnp.stack([jax.jvp(problem.interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
+    interpolated = InterpolatedGradient(read(problem.files["field"]))
+    dF = jnp.stack([jax.jvp(interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
     cells = len(X)
     count = min(settings.points or DEFAULT_POINTS, cells)
     mesh = problem.mesh
@@ -148,21 +144,30 @@ def autodiff(problem: InverseProblem, settings: Training) -> Callable:
 LOSSES = {"equilibrated": equilibrated, "strong": strong, "autodiff": autodiff}
 
 
-def run(method: Method, name: str, parents: list[str], output: str, attributes: dict) -> None:
+def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
     """Train the hyper-network on equilibrium and resultants (equation ``main_loss_function``).
 
     Args:
-        parents: measurement, interpolant, homogenised and pre-trained files.
+        files: paths, see :meth:`InverseProblem.load`; ``previous`` is the pre-trained network.
     """
-    problem = InverseProblem.load(method, name, *parents[:3])
-    params, apply = problem.trainable(parents[3])
+    problem = InverseProblem.load(method, name, files)
+    params, apply = problem.trainable()
     settings = method.training
+    if settings.iterations == 0:
+        untrained = np.full(1, np.nan, np.float32), np.zeros(1, np.int64)
+        problem.save(output, apply(params), untrained, "identified material", attributes)
+        return
     physics = LOSSES[settings.equilibrium](problem, settings)
+    target = problem.target() if settings.target_weight > 0 else None
 
     def loss(params, key):
         network = apply(params)
-        departure = problem.node.departure(network(problem.X).T, problem.centre)
-        return physics(network, key) + method.prior_weight * departure
+        node_params = network(problem.X).T
+        total = physics(network, key) + method.prior_weight * problem.node.departure(node_params, problem.centre)
+        if settings.target_weight > 0:
+            # Summed over the components, as the squared gap is.
+            total += 4.0 * settings.target_weight * target.misfit(problem.node, node_params)
+        return total
 
     params, *history = minimise(loss, params, settings, stage="main training", case=name, seed=method.seed)
-    problem.save(output, apply(params), history, "identified material", attributes, parents)
+    problem.save(output, apply(params), history, "identified material", attributes)

@@ -5,44 +5,57 @@ import numpy as np
 from hypernode.config import Case, Config
 from hypernode.mechanics.material_names import PARAMETERS
 from hypernode.mechanics.materials import NEUTRAL
-from hypernode.mechanics.mesh import Mesh, rectilinear
-from hypernode.stages.geometry import make_shape
+from hypernode.mechanics.mesh import EDGES, Mesh, rectilinear
+from hypernode.stages.geometry import Shape, make_shape
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, write
 
 PHASES = ("matrix", "inclusion")
 
 
-def make_mesh(case: Case) -> Mesh:
-    """Regular mesh of a synthetic case."""
-    nx, ny = case.cells
-    return rectilinear(np.linspace(0.0, case.size[0], nx + 1), np.linspace(0.0, case.size[1], ny + 1))
+def grid_lines(length: float, cells: int, ratio: float):
+    """Coordinates of a line of cells whose sides grow geometrically, the last ``ratio`` times the first."""
+    sides = ratio ** (np.arange(cells) / max(cells - 1, 1))
+    lines = np.concatenate([[0.0], np.cumsum(sides)])
+    return length * lines / lines[-1]
 
 
-def cell_parameters(weight, matrix, inclusion):
+def make_mesh(case: Case, hole: Shape | None) -> Mesh:
+    """Rectilinear mesh of a synthetic case; ``hole`` is where there is no material."""
+    x, y = (grid_lines(*each) for each in zip(case.size, case.cells, case.spacing, strict=True))
+    if hole is None:
+        return rectilinear(x, y)
+    centres = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])), axis=-1).reshape(-1, 2)
+    keep = hole(centres / case.size) <= 0.5
+    mesh = rectilinear(x, y, keep.reshape(len(y) - 1, -1))
+    if not all(mesh.on_edge(edge).any() for edge in EDGES) or keep.sum() < 4:
+        raise ValueError("the hole leaves no sheet to hold: it must stay inside the edges")
+    return mesh
+
+
+def cell_parameters(shares, phases):
     """Models and parameters of every cell.
 
     Args:
-        weight: share of the inclusion in each cell, 0 to 1 (cell,). Between the two, parameters are
-            mixed linearly, which needs both phases to be of one model.
-        matrix, inclusion: configured materials; ``inclusion`` may be None.
+        shares: share of each phase in each cell (phase, cell), summing to one. Parameters are mixed
+            linearly, which needs the phases that meet in a cell to be of one model.
+        phases: configured materials.
 
     Returns:
         (model names, {"model": index per cell, parameter: value per cell}); fibre angles in rad.
     """
-    phases = [matrix] if inclusion is None else [matrix, inclusion]
     models = tuple(dict.fromkeys(m.model for m in phases))
     names = list(dict.fromkeys(name for m in phases for name in PARAMETERS[m.model]))
-    share = np.stack([1.0 - weight, weight])[: len(phases)]
-    mixed = ((weight > 0) & (weight < 1)).any()
-    if mixed and len(models) > 1:
+    largest = np.argmax(shares, axis=0)
+    model = np.array([models.index(m.model) for m in phases])[largest]
+    meeting = [{phases[k].model for k in np.flatnonzero(shares[:, c])} for c in np.flatnonzero(shares.max(axis=0) < 1)]
+    if any(len(together) > 1 for together in meeting):
         raise ValueError(
             f"a gradient between {models[0]} and {models[1]} has no meaning: use one model for both phases"
         )
-    model = np.where(weight > 0.5, models.index(phases[-1].model), models.index(matrix.model))
     values = {"model": model.astype(float)}
     for name in names:
-        total = np.zeros(len(weight))
-        for part, material in zip(share, phases, strict=True):
+        total = np.zeros(shares.shape[1])
+        for part, material in zip(shares, phases, strict=True):
             value = material.parameters.get(name, NEUTRAL.get(name, 0.0))
             total += part * (np.deg2rad(value) if name == "fibre_angle" else value)
         values[name] = total
@@ -52,15 +65,22 @@ def cell_parameters(weight, matrix, inclusion):
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """Write the mesh and true material of a synthetic case."""
     case = config.cases[name]
-    mesh = make_mesh(case)
-    weight = make_shape(config.geometries[case.geometry])((mesh.centres - mesh.lower) / mesh.size)
-    inclusion = config.materials[case.inclusion] if case.inclusion else None
-    models, values = cell_parameters(weight, config.materials[case.matrix], inclusion)
+    shapes = {key: make_shape(geometry) for key, geometry in config.geometries.items()}
+    mesh = make_mesh(case, shapes[case.hole] if case.hole else None)
+    X = (mesh.centres - mesh.lower) / mesh.size
+    drawn = [(case.geometry, case.inclusion)] if case.inclusion else []
+    drawn += [(layer.geometry, layer.material) for layer in case.layers]
+    shares, names = np.ones((1, len(X))), [case.matrix]
+    for geometry, material in drawn:
+        weight = shapes[geometry](X)
+        shares = np.concatenate([shares * (1.0 - weight), weight[None]])
+        names.append(material)
+    models, values = cell_parameters(shares, [config.materials[key] for key in names])
     variables = {
         "X": mesh.nodes,
         "cells": mesh.cells,
         "corners": np.stack([mesh.lower, mesh.upper]),
-        "phase": (weight > 0.5).astype(np.int64),
+        "phase": np.argmax(shares, axis=0).astype(np.int64),
         **{f"material.{key}": (("cell",), value) for key, value in values.items()},
     }
     write(
@@ -72,6 +92,6 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "units": SYNTHETIC_UNITS,
             "material_kind": "closed_form",
             "models": models,
-            "phases": PHASES[: 1 if inclusion is None else 2],
+            "phases": [*PHASES, *(f"layer {k}" for k in range(1, len(names) - 1))][: len(names)],
         },
     )

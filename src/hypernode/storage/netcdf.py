@@ -76,7 +76,7 @@ def write(
     for name, value in variables.items():
         if "." in name:
             dims, array = value
-            data[name] = (dims, np.asarray(array), {"units": "1", "long_name": f"network weights {name}"})
+            data[name] = (dims, np.asarray(array), {"units": "1", "long_name": f"parameters {name}"})
         else:
             entry = VARIABLES.get(name)
             if entry is None:

@@ -1,0 +1,84 @@
+"""A small convex basis of strain energies whose coefficients a full-field test can determine.
+
+Psi = c [ (I1 - 3) + c1 (I1 - 3)^2 / (2 s) + c2 (I2 - 3) + k <E>^2 / (2 s) ],
+E = b (I1 - 3) + (1 - b) (M : C - 1),  M = (1 + r)/2 v x v + (1 - r)/2 w x w,
+
+with positive c, c1, c2, k, a dispersion b between 0 and 1, and s a typical I1 - 3. Every summand is
+polyconvex. The parameters are unconstrained numbers, all but the first relative to it, so that where only
+the stiffness jumps, only one of them does: logarithms, a logit, and for the fibres v, at angle a, the
+doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and their alignment r, both
+functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin or turn.
+"""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from hypernode.mechanics.kinematics import right_cauchy_green
+from hypernode.mechanics.material_names import BASIS_TERMS
+
+#: Fibres weaker than this, relative to the matrix, lose their direction gradually.
+ROUNDING = 0.02
+
+#: Term -> names of its parameters and where an identification starts from.
+PARAMETERS = {
+    "I1_squared": {"log_I1_squared": -2.5},
+    "I2": {"log_I2": -2.5},
+    "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
+}
+assert tuple(PARAMETERS) == BASIS_TERMS, "the names that the configuration offers are those of the basis"
+
+
+@dataclass(frozen=True)
+class ConvexBasis:
+    """Which terms are present.
+
+    Attributes:
+        terms: names in :data:`PARAMETERS`; the neo-Hookean term is always there.
+        invariant_scale: s, a typical value of I1 - 3.
+    """
+
+    terms: tuple[str, ...]
+    invariant_scale: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters in their order."""
+        return ("log_level", *(name for term in self.terms for name in PARAMETERS[term]))
+
+    @property
+    def start(self) -> Float[np.ndarray, " parameter"]:
+        """Parameters of a nearly neo-Hookean material of unit level."""
+        return np.array([0.0, *(value for term in self.terms for value in PARAMETERS[term].values())])
+
+    def energy(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "..."]:
+        """Energy density of an incompressible sheet in plane stress.
+
+        Args:
+            F: in-plane deformation gradient F[i, J, ...].
+            params: parameters in the order of :attr:`names`, broadcastable to the batch shape.
+        """
+        p = dict(zip(self.names, params, strict=True))
+        C11, C22, C12 = right_cauchy_green(F)
+        J2 = C11 * C22 - C12**2
+        trace = C11 + C22
+        e1, e2 = trace + 1.0 / J2 - 3.0, J2 + trace / J2 - 3.0
+        total = e1
+        if "I1_squared" in self.terms:
+            total = total + jnp.exp(p["log_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
+        if "I2" in self.terms:
+            total = total + jnp.exp(p["log_I2"]) * e2
+        if "fibre" in self.terms:
+            z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
+            planar = 0.5 * trace - 1.0 + (0.5 * (C11 - C22) * p["fibre_x"] + C12 * p["fibre_y"]) / z
+            b = jax.nn.sigmoid(p["logit_dispersion"])
+            E = jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)
+            total = total + (z - ROUNDING) * E**2 / (2.0 * self.invariant_scale)
+        return jnp.exp(p["log_level"]) * total
+
+    def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
+        """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
+        return jax.grad(lambda F: jnp.sum(self.energy(F, params)))(F)

@@ -1,0 +1,165 @@
+"""Equilibrium as a constraint: exact derivatives, and a field found again from noisy displacements."""
+
+import jax
+import numpy as np
+import pytest
+
+from hypernode.config import Constrained
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.kinematics import Invariants, invariants
+from hypernode.mechanics.loads import make_load
+from hypernode.mechanics.materials import goh, mooney_rivlin
+from hypernode.mechanics.mesh import rectilinear
+from hypernode.stages.constrained import FieldProblem, Jumps, held_displacement, identify
+from hypernode.stages.equilibrium_solver import EquilibriumSolver
+
+SCALE = 0.4
+
+
+def stress_of(energy, F, params, angle=0.0):
+    return jax.grad(lambda F: energy(invariants(F, angle), params))(F)
+
+
+def sheet(cells, inclusion, load, noise=0.0, basis=ConvexBasis(("I1_squared",), SCALE)):
+    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
+    import xarray as xr
+
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    mesh = rectilinear(lines, lines)
+    params = np.tile(basis.start, (len(mesh.cells), 1))
+    params[inclusion(mesh.centres), 0] += np.log(2.0)
+    solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
+    u, _ = solver.solve(load)
+    force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
+    for step, field in enumerate(u):
+        for (edge, i), value in solver.edge_forces(field, load).items():
+            index = ("left", "right", "bottom", "top").index(edge)
+            force[step, index, i], held[step, index, i] = value, 1.0
+    measured = u + np.random.default_rng(5).normal(0.0, noise, u.shape) if noise else u
+    names = ("load_step", "node", "i")
+    data = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", *names), measured[None]),
+            "test": (("load_step",), np.zeros(len(u), int)),
+            "stretch": (("load_step",), load.stretch),
+            "H": (("load_step", "i", "J"), load.H),
+            "edge_force": (("load_step", "edge", "i"), force),
+            "edge_constrained": (("load_step", "edge", "i"), held),
+        },
+        attrs={"displacement_noise": noise, "thickness": 1.0, "outline": "edge"},
+    )
+    return data, mesh, params
+
+
+def square(X):
+    return (np.abs(X - 0.5) < 0.25).all(axis=1)
+
+
+def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
+    F = np.array([[1.15, 0.08], [-0.03, 1.05]])
+    basis = ConvexBasis(("I2",), SCALE)
+    found = basis.stress(F, np.array([np.log(0.3), np.log(0.1 / 0.3)]))
+    wanted = stress_of(mooney_rivlin, F, {"C10": 0.3, "C01": 0.1})
+    np.testing.assert_allclose(found, wanted, rtol=1e-12)
+    basis, strength, angle, kappa = ConvexBasis(("fibre",), SCALE), 4.0, 0.4, 0.1
+    # kappa (I1 - 3) + (1 - 3 kappa)(I4 - 1) = (1 - 2 kappa) E with b = kappa / (1 - 2 kappa); k2 small: <E>^2.
+    b = kappa / (1.0 - 2.0 * kappa)
+    params = np.array([np.log(0.5), strength * np.cos(2 * angle), strength * np.sin(2 * angle), np.log(b / (1 - b))])
+    k1 = 0.5 * (strength - 0.02) / SCALE / (1.0 - 2.0 * kappa) ** 2
+    wanted = stress_of(goh, F, {"C10": 0.5, "k1": k1, "k2": 1e-9, "kappa": kappa}, angle)
+    np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
+
+
+def test_the_basis_is_convex_along_rank_one_lines():
+    rng = np.random.default_rng(1)
+    basis = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE)
+    energy = jax.jit(basis.energy)
+    for _ in range(40):
+        params = rng.normal(0.0, 1.5, len(basis.names))
+        F, h = np.eye(2) + rng.normal(0.0, 0.15, (2, 2)), 1e-3
+        line = h * np.outer(*rng.normal(size=(2, 2)))
+        curvature = energy(F + line, params) - 2.0 * energy(F, params) + energy(F - line, params)
+        assert curvature >= -1e-11
+
+
+def test_the_basis_is_stress_free_and_isotropic_without_fibres():
+    basis = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE)
+    assert np.abs(basis.stress(np.eye(2), basis.start)).max() < 1e-14
+    params = basis.start
+    params[3:5] = 0.0
+    c, s = np.cos(0.7), np.sin(0.7)
+    R, F = np.array([[c, -s], [s, c]]), np.array([[1.2, 0.1], [0.0, 0.95]])
+    np.testing.assert_allclose(basis.stress(F @ R, params), basis.stress(F, params) @ R, atol=1e-12)
+    assert Invariants(*invariants(np.eye(2), 0.0)) == (3.0, 3.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("kind", ["equibiaxial", "uniaxial_x", "clamped_y"])
+def test_the_adjoint_is_the_derivative_of_the_misfit(kind):
+    data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3)
+    problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+    rng = np.random.default_rng(2)
+    params = params + rng.normal(0.0, 0.1, params.shape)
+    change = rng.normal(0.0, 1.0, params.size)
+    sigma = problem.sigma
+
+    def misfit(t):
+        moved = params + t * change.reshape(params.shape)
+        u, f = problem.residuals(problem.states(moved, problem.extension(moved)))
+        return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f)
+
+    states = problem.states(params, problem.extension(params))
+    u, f = problem.residuals(states)
+    linear = problem.linearise(params, states, sigma)
+    gradient = linear.adjoint([r / sigma for r in u], f)
+    h = 1e-5
+    assert gradient @ change == pytest.approx((misfit(h) - misfit(-h)) / (2 * h), rel=1e-6)
+    forward_u, forward_f = linear.forward(change)
+    weights = [rng.normal(size=part.shape) for part in forward_u], rng.normal(size=forward_f.shape)
+    one = sum(a @ b for a, b in zip(weights[0], forward_u, strict=True)) + weights[1] @ forward_f
+    assert one == pytest.approx(linear.adjoint(*weights) @ change, rel=1e-10)
+
+
+def test_a_stiff_square_is_found_again_from_noisy_displacements():
+    data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=5e-4)
+    settings = Constrained(terms=["I1_squared"], iterations=15)
+    problem = FieldProblem(data, settings)
+    params, _, history = identify(problem, settings, "square")
+    level = params[:, 0]
+    inside = square(mesh.centres)
+    assert history[-1] < 1.05 < history[0]
+    assert level[inside].mean() - level[~inside].mean() == pytest.approx(np.log(2.0), abs=0.1)
+    assert ((level > 0.5 * (level[inside].mean() + level[~inside].mean())) == inside).mean() > 0.97
+    assert true.shape == params.shape
+
+
+def test_jumps_cost_length_times_size_and_large_ones_stop_costing_more():
+    lines = np.linspace(0.0, 1.0, 9)
+    mesh = rectilinear(lines, lines)
+    jumps = Jumps(mesh, ("log_level",))
+
+    def cost(height):
+        return jumps.value(height * (mesh.centres[:, :1] > 0.5)) - jumps.value(np.zeros((len(mesh.cells), 1)))
+
+    assert cost(2.0) == pytest.approx(8 * 2.0, rel=0.02)
+    jumps.scale = 0.05
+    assert cost(2.0) < 1.25 * cost(1.0)
+    flat, step = np.zeros((len(mesh.cells), 1)), (mesh.centres[:, :1] > 0.5) * 1.0
+    h = 1e-6
+    slope = (jumps.value(step * (1 + h)) - jumps.value(step * (1 - h))) / (2 * h)
+    assert step.ravel() @ jumps.hessian(step) @ step.ravel() == pytest.approx(slope, rel=1e-5)
+    assert jumps.value(flat) < jumps.value(step)
+
+
+def test_held_edges_are_smoothed_and_free_ones_left_alone():
+    lines = np.linspace(0.0, 1.0, 41)
+    mesh = rectilinear(lines, lines)
+    exact = mesh.nodes @ np.array([[0.1, 0.0], [0.0, 0.2]])
+    u = exact + np.random.default_rng(3).normal(0.0, 1e-3, exact.shape)
+    held = np.zeros((4, 2))
+    held[1, 0] = held[3, 1] = 1.0
+    mask, values = held_displacement(mesh, u, held)
+    assert mask.sum() == 2 * 41 and not mask[mesh.on_edge("left"), 1][:-1].any()
+    assert np.std((values - exact)[mask]) < 0.5e-3
