@@ -4,10 +4,16 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test lint unit smoke report bench clean
+.PHONY: all resume test lint unit smoke endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
+
+# After a crash or a kill: unlocks, but only where no run is going on, and finishes what is missing.
+resume: $(VENV)/run
+	$(BIN)/python -m hypernode idle
+	$(BIN)/snakemake --unlock
+	$(BIN)/snakemake --cores $(CORES) --rerun-incomplete
 
 test: lint unit smoke
 
@@ -22,6 +28,10 @@ unit: $(VENV)/dev
 
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke
+
+# Ten kills in the middle of a run, and a full disk: some minutes.
+endurance: $(VENV)/dev
+	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
 
 report: $(VENV)/run
 	$(BIN)/snakemake --report results/report.zip

@@ -33,7 +33,7 @@ from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.neural_ode import unflatten
-from hypernode.networks.node_material import NODE_SHARE, NodeMaterial
+from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import INVARIANTS, TERMS
 from hypernode.networks.weights import make_network, split_trainable
 
@@ -83,7 +83,7 @@ def pointwise_derivatives(node, I, node_params):
             k4 = slope(h + dt * k3, matrices)
             h = h + dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         for name, share in shares.items():
-            total[name] = total[name] + NODE_SHARE * share * h
+            total[name] = total[name] + NodeMaterial.share * share * h
     for name, constant in zip(node.constants, constants, strict=True):
         total[name] = total[name] + jnp.exp(constant)
     return Invariants(**total)

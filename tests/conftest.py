@@ -11,3 +11,4 @@ jax.config.update("jax_enable_x64", True)
 
 def pytest_addoption(parser):
     parser.addoption("--smoke", action="store_true", help="also run the whole DAG on a small case")
+    parser.addoption("--endurance", action="store_true", help="also kill runs and fill disks, for minutes")

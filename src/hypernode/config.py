@@ -106,7 +106,7 @@ class Material(Section):
     @model_validator(mode="before")
     @classmethod
     def _parameters(cls, values):
-        if not isinstance(values, dict) or values.get("model") not in PARAMETERS:
+        if not isinstance(values, dict) or str(values.get("model")) not in PARAMETERS:
             return values
         wanted = PARAMETERS[values["model"]]
         for key, value in values.items():
@@ -176,11 +176,16 @@ class Interpolant(Frequencies, Optimiser):
 
 
 class Node(Section):
-    """The neural ODEs of a material point."""
+    """The neural ODEs of a material point.
+
+    ``share`` is what a neural ODE's output counts beside the constant part of dPsi/dI: small where the
+    prior must keep curves plain, larger where strong fibres are to be represented.
+    """
 
     terms: list[Literal[tuple(TERMS)]] = Field(min_length=1)
     hidden: list[Count] = Field(min_length=1)
     rk4_steps: Count = 2
+    share: Annotated[float, Field(gt=0, le=1)] = 0.1
 
     @model_validator(mode="after")
     def _once(self):

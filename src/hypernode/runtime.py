@@ -63,13 +63,16 @@ class _Tee:
     def write(self, text):
         """Write to every stream."""
         for stream in self.streams:
-            stream.write(text)
+            # A full disk must not stop the message about it from reaching the terminal.
+            with contextlib.suppress(OSError):
+                stream.write(text)
         return len(text)
 
     def flush(self):
         """Flush every stream."""
         for stream in self.streams:
-            stream.flush()
+            with contextlib.suppress(OSError):
+                stream.flush()
 
 
 def use_compilation_cache() -> None:
@@ -107,8 +110,9 @@ def job(snakemake, float64: bool = False):
         yield describe(
             snakemake.rule, dict(snakemake.wildcards), snakemake.params.get("settings", {}), snakemake.params.code
         )
-    except (ExpectedError, ValueError) as error:
+    except (ExpectedError, ValueError, OSError) as error:
         where = ", ".join(f"{key} {value}" for key, value in snakemake.wildcards.items())
-        traceback.print_exc(file=log)
+        with contextlib.suppress(OSError):
+            traceback.print_exc(file=log)
         print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)
         sys.exit(1)

@@ -3,6 +3,7 @@
 import jax
 import numpy as np
 import pytest
+import xarray as xr
 
 from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import ConvexBasis
@@ -20,10 +21,9 @@ def stress_of(energy, F, params, angle=0.0):
     return jax.grad(lambda F: energy(invariants(F, angle), params))(F)
 
 
-def sheet(cells, inclusion, load, noise=0.0, basis=ConvexBasis(("I1_squared",), SCALE)):
+def sheet(cells, inclusion, load, noise=0.0):
     """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
-    import xarray as xr
-
+    basis = ConvexBasis(("I1_squared",), SCALE)
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)
     params = np.tile(basis.start, (len(mesh.cells), 1))

@@ -2,7 +2,7 @@
 
 from hypernode.runtime import job
 
-with job(snakemake):
+with job(snakemake) as attributes:
     settings = snakemake.params.settings
     from hypernode.figures import anisotropy, comparison, identification, overview
 
@@ -16,4 +16,5 @@ with job(snakemake):
         dict(snakemake.input),
         {"pdf": snakemake.output.pdf, "png": snakemake.output.png},
         settings,
+        attributes,
     )

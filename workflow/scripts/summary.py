@@ -2,8 +2,8 @@
 
 from hypernode.runtime import job
 
-with job(snakemake):
+with job(snakemake) as attributes:
     from hypernode.figures import summary
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
-    summary.write_tables(list(snakemake.input), snakemake.params.settings, files)
+    summary.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)

@@ -25,7 +25,7 @@ from hypernode.storage.netcdf import read, units_of
 CURVE_POINTS = 9
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
     """Strain, stress, anisotropy and fibre angle, and uniaxial stress along and across the fibres.
 
     The angle is drawn only where the identified response is anisotropic.
@@ -34,6 +34,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
         inputs: ``evaluation``, ``material`` and ``truth``: paths.
         files: format -> path.
         settings: ``step`` is the load step of the strain.
+        provenance: what the job says of itself.
     """
     data = read(inputs["evaluation"])
     found, true = load_material(inputs["material"]), load_material(inputs["truth"])
@@ -78,7 +79,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
                 axes.set_xlabel("uniaxial stretch [-]")
                 axes.set_ylabel("$P$" + stress)
         e.legend(frameon=False, fontsize=6)
-        save(figure, files)
+        save(figure, files, provenance, inputs.values())
 
 
 def _true_angle(data, point) -> float:

@@ -9,7 +9,7 @@ from hypernode.probes import indicator
 from hypernode.storage.netcdf import read, units_of
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
     """One row a run and one column a stretch: the stress when every point undergoes that stretch.
 
     Args:
@@ -17,6 +17,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
         files: format -> path.
         settings: ``runs`` (with ``label``), ``stretches``, ``load``, and ``show``: ``stress``, or
             ``error`` for the relative difference from the truth.
+        provenance: what the job says of itself.
     """
     stretches, kind, errors = settings["stretches"], settings["load"], settings["show"] == "error"
     rows, grid = [], None
@@ -59,4 +60,4 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
             bar = figure.colorbar(mappable, ax=panels[:, column], orientation="horizontal", fraction=0.05, pad=0.02)
             bar.set_label(label)
             bar.outline.set_visible(False)
-        save(figure, files)
+        save(figure, files, provenance, inputs.values())

@@ -68,13 +68,14 @@ def _curves(axes, data, units):
     axes.legend(frameon=False, loc="upper left", fontsize=6, handlelength=1.2)
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
     """Draw strain, equilibrated stress, truth, identified field, forces and curves.
 
     Args:
         inputs: ``evaluation`` and, for synthetic cases, ``truth``: paths.
         files: format -> path.
         settings: ``step`` is the load step of panels a and b.
+        provenance: what the job says of itself.
     """
     step = settings["step"]
     data = read(inputs["evaluation"])
@@ -129,7 +130,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
             if key in "abcd":
                 axes.set_xlabel("X" + length)
                 axes.set_ylabel("Y" + length)
-        save(figure, files)
+        save(figure, files, provenance, inputs.values())
 
 
 def _true_indicator(truth_file, data):

@@ -35,13 +35,14 @@ def _arrow(figure, start, end):
     figure.patches.append(arrow)
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
     """From displacements to a material: measured u, F, its network, the material field and two of its curves.
 
     Args:
         inputs: ``measurement``, ``evaluation``: paths.
         files: format -> path.
         settings: ``step`` is the load step drawn.
+        provenance: what the job says of itself.
     """
     measurement, data, step = read(inputs["measurement"]), read(inputs["evaluation"]), settings["step"]
     units = units_of(data)
@@ -106,4 +107,4 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict) -> None:
             ((0.35, 0.25), (0.25, 0.25)),
         ):
             _arrow(figure, start, end)
-        save(figure, files)
+        save(figure, files, provenance, inputs.values())

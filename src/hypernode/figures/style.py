@@ -77,7 +77,7 @@ def unit_label(text: str) -> str:
     return "" if text in ("1", "") else f" [{text}]"
 
 
-def save(figure, files: dict[str, str]) -> None:
+def save(figure, files: dict[str, str], provenance: dict, parents) -> None:
     """Write a figure in several formats, without dates, so that the same figure is the same file."""
     metadata = {
         "pdf": {"CreationDate": None, "Producer": None, "Creator": "hypernode"},
@@ -85,6 +85,9 @@ def save(figure, files: dict[str, str]) -> None:
     }
     for kind, path in files.items():
         write_bytes_atomically(
-            path, lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind])
+            path,
+            lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind]),
+            provenance,
+            parents,
         )
     plt.close(figure)

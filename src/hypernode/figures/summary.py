@@ -127,13 +127,14 @@ def _latex(names, table) -> str:
     return "\n".join([head, r"\toprule", *body, r"\bottomrule", r"\end{tabular}"]) + "\n"
 
 
-def write_tables(evaluations: list[str], settings: dict, files: dict[str, str]) -> None:
+def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], provenance: dict) -> None:
     """Write one table.
 
     Args:
         evaluations: evaluation files of the runs in it.
         settings: ``kind`` (runs, timing or settings), and ``columns`` and ``groups``, or ``entries``.
         files: ``csv``, ``markdown`` and ``latex`` paths.
+        provenance: what the job says of itself.
     """
     if settings["kind"] == "runs":
         table = run_rows(evaluations, settings["columns"] or list(COLUMNS), settings["groups"])
@@ -145,5 +146,8 @@ def write_tables(evaluations: list[str], settings: dict, files: dict[str, str]) 
     for kind, text in (("csv", _csv), ("markdown", _markdown), ("latex", _latex)):
         content = text(names, table)
         write_bytes_atomically(
-            files[kind], lambda temporary, content=content: Path(temporary).write_text(content, encoding="utf-8")
+            files[kind],
+            lambda temporary, content=content: Path(temporary).write_text(content, encoding="utf-8"),
+            provenance,
+            evaluations,
         )

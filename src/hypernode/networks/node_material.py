@@ -9,11 +9,6 @@ from jaxtyping import Array, Float
 from hypernode.networks.neural_ode import flow, weight_count
 from hypernode.networks.terms import INVARIANTS, TERMS
 
-#: Share of a neural ODE's output in dPsi/dI. Below one, so that a neural ODE whose weights are small
-#: (h(1) close to h(0)) is a mild stiffening on top of the constant parts of dPsi/dI1 and dPsi/dI2,
-#: and the prior of small weights means a nearly neo-Hookean material.
-NODE_SHARE = 0.1
-
 
 @dataclass(frozen=True)
 class NodeMaterial:
@@ -29,6 +24,9 @@ class NodeMaterial:
         steps: RK4 steps.
         invariant_scale: what I - I(F = I) is divided by before it enters a neural ODE.
         stress_scale: unit of dPsi/dI inside the networks, in the stress unit of the data.
+        share: share of a neural ODE's output in dPsi/dI. Below one, so that a neural ODE whose weights
+            are small (h(1) close to h(0)) is a mild stiffening on top of the constant parts, and the
+            prior of small weights means a nearly neo-Hookean material.
     """
 
     terms: tuple[str, ...]
@@ -36,6 +34,7 @@ class NodeMaterial:
     steps: int
     invariant_scale: float
     stress_scale: float
+    share: float = 0.1
 
     @property
     def mixtures(self) -> tuple[str, ...]:
@@ -111,7 +110,7 @@ class NodeMaterial:
         total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
         for index, share in enumerate(shares):
             for name, s in share.items():
-                total[name] = total[name] + NODE_SHARE * s * values[..., index, :]
+                total[name] = total[name] + self.share * s * values[..., index, :]
         for name, constant in zip(self.constants, constants, strict=True):
             total[name] = total[name] + jnp.exp(constant)
         return type(I)(**{name: self.stress_scale * value for name, value in total.items()})

@@ -37,6 +37,7 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
         method.node.rk4_steps,
         invariant_scale=largest,
         stress_scale=float(loading.scale.max()),
+        share=method.node.share,
     )
     start = node.initial_params(jax.random.key(method.seed))
     target = jnp.asarray(loading.P_average, jnp.float32)

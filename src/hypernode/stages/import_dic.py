@@ -83,6 +83,8 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     chosen = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     valid = ~chosen.lost
     keep = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
+    if not keep.any():
+        raise DicError(f"{folder}: no four neighbouring points are measured in all of the frames {numbers}")
     mm = specimen.pixel_size
     mesh = rectilinear(series.x * mm, series.y * mm, keep)
     grid = np.stack(np.meshgrid(series.x * mm, series.y * mm), axis=-1).reshape(-1, 2)
@@ -102,7 +104,14 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     edge_force[:, EDGE_NAMES.index(high), axis] = force * share
     edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
     areas = mesh.areas / mesh.areas.sum()
-    H = np.einsum("scij,c->sij", deformation_gradient(mesh, u), areas) - np.eye(2)
+    F = deformation_gradient(mesh, u)
+    folded = (np.linalg.det(F) <= 0).any(axis=1)
+    if folded.any():
+        raise DicError(
+            f"{folder}: frame {numbers[int(np.argmax(folded))]} folds the sheet over (det F is not positive): "
+            "leave it out, or export it again"
+        )
+    H = np.einsum("scij,c->sij", F, areas) - np.eye(2)
     field = np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]])
     write(
         output,
@@ -131,7 +140,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "field_corners": field.tolist(),
             "lost_points": int((~valid).sum()),
             "raw_inputs": {
-                path.name: sha256(path)
+                str(path): sha256(path)
                 for path in (force_path, *(frame_files(folder)[n] for n in sorted({full.frames[0].number, *numbers})))
             },
         },

@@ -14,6 +14,7 @@ from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.mesh import Mesh
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
+from hypernode.probes import mode_gradients
 from hypernode.stages.fields import Loading, field_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -61,6 +62,7 @@ class InverseProblem:
     length: float
     units: dict
     hypernetwork: str
+    stretch: float
     files: Mapping[str, str]
 
     @classmethod
@@ -86,6 +88,7 @@ class InverseProblem:
             length,
             units_of(measurement),
             method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields)),
+            float(measurement["stretch"].values.max()),
             files,
         )
 
@@ -107,19 +110,25 @@ class InverseProblem:
         return node_stress(self.node, self.F, node_params)
 
     def target(self) -> "Target":
-        """What pre-training aims at: the stress of the constrained field where there is one, at each
-        cell's own deformation and at the mean one of each step; force over cross-section otherwise."""
+        """What pre-training aims at: force over cross-section, or the stress of the constrained field.
+
+        The constrained field also says what cells would do under deformations that they have not
+        seen: homogeneous modes of the size of the test, all and half of it, keep the networks from
+        inventing an answer there.
+        """
         scale = self.loading.scale[:, None]
         if "constrained" not in self.files:
             P = np.moveaxis(self.loading.P_average, 0, -1)[..., None] / scale
             P = np.broadcast_to(P, self.F.shape)
             return Target(self.F, jnp.asarray(P, jnp.float32), jnp.asarray(self.loading.target_weight), self.scale)
         basis, params = basis_field(read(self.files["constrained"]))
-        weights = jnp.asarray(self.mesh.areas / self.mesh.areas.sum(), jnp.float32)
-        mean = jnp.broadcast_to(jnp.sum(self.F * weights, axis=-1, keepdims=True), self.F.shape)
-        F = jnp.concatenate([self.F, mean], axis=2)
+        modes = mode_gradients(1.0 + (self.stretch - 1.0) * np.array([0.5, 1.0])).reshape(-1, 2, 2)
+        modes = jnp.asarray(np.moveaxis(modes, 0, -1)[..., None], jnp.float32)
+        cells = self.F.shape[-1]
+        F = jnp.concatenate([self.F, jnp.broadcast_to(modes, (*modes.shape[:3], cells))], axis=2)
         P = jax.jit(basis.stress)(F, jnp.asarray(params, jnp.float32)[:, None])
-        scale = jnp.concatenate([self.scale, self.scale])
+        sizes = jnp.sqrt(jnp.mean(jnp.sum(P[:, :, len(self.scale) :] ** 2, axis=(0, 1)), axis=-1))
+        scale = jnp.concatenate([self.scale, sizes])
         return Target(F, P / scale[:, None], jnp.ones((2, 2, 1, 1)), scale)
 
     def gaps(self):

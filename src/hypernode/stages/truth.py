@@ -7,7 +7,7 @@ from hypernode.mechanics.material_names import PARAMETERS
 from hypernode.mechanics.materials import NEUTRAL
 from hypernode.mechanics.mesh import EDGES, Mesh, rectilinear
 from hypernode.stages.geometry import Shape, make_shape
-from hypernode.storage.netcdf import SYNTHETIC_UNITS, write
+from hypernode.storage.netcdf import SYNTHETIC_UNITS, sha256, write
 
 PHASES = ("matrix", "inclusion")
 
@@ -65,6 +65,7 @@ def cell_parameters(shares, phases):
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """Write the mesh and true material of a synthetic case."""
     case = config.cases[name]
+    images = [g.path for g in config.geometries.values() if g.shape == "image"]
     shapes = {key: make_shape(geometry) for key, geometry in config.geometries.items()}
     mesh = make_mesh(case, shapes[case.hole] if case.hole else None)
     X = (mesh.centres - mesh.lower) / mesh.size
@@ -90,6 +91,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
         {
             **attributes,
             "units": SYNTHETIC_UNITS,
+            "raw_inputs": {path: sha256(path) for path in images},
             "material_kind": "closed_form",
             "models": models,
             "phases": [*PHASES, *(f"layer {k}" for k in range(1, len(names) - 1))][: len(names)],

@@ -1,7 +1,6 @@
 """The one place that writes and reads data files."""
 
 import contextlib
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -10,23 +9,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from hypernode.errors import ExpectedError
+from hypernode.storage.records import StorageError, check_digest, make_record, record_of, sha256
 from hypernode.storage.schema import VARIABLES
 
 #: Units of a synthetic test: a unit square of unit thickness.
 SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
 #: Units of a real test.
 EXPERIMENT_UNITS = {"length": "mm", "stress": "MPa", "force": "N", "energy": "MPa"}
-
-
-class StorageError(ExpectedError, RuntimeError):
-    """A data file is missing, damaged or breaks the schema; the message names file and variable."""
-
-
-def sha256(path: str | Path) -> str:
-    """Hexadecimal SHA-256 of a file's bytes."""
-    with open(path, "rb") as handle:
-        return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
 def check_schema(dataset: xr.Dataset, where: str = "dataset") -> None:
@@ -70,7 +59,7 @@ def write(
     Raises:
         StorageError: the content breaks the schema or the disk refuses it. No file is left behind.
     """
-    path = Path(path)
+    path, parents = Path(path), list(parents)
     units = attributes["units"]
     data = {}
     for name, value in variables.items():
@@ -90,13 +79,13 @@ def write(
         "source": "hypernode",
         "references": "arXiv: Fully data-driven inverse hyperelasticity with hyper-network neural ODE fields",
         # Relative to the file, so that a results folder can be moved and read from anywhere.
-        "parents": json.dumps({os.path.relpath(p, path.parent): sha256(p) for p in parents}, sort_keys=True),
+        "parents": json.dumps(ancestry(path, parents), sort_keys=True),
     }
     for key, value in attributes.items():
         simple = isinstance(value, (str, int, float)) and not isinstance(value, bool)
         dataset.attrs[key] = value if simple else json.dumps(value, sort_keys=True)
     check_schema(dataset, str(path))
-    write_bytes_atomically(path, lambda temporary: _store(dataset, temporary))
+    write_bytes_atomically(path, lambda temporary: _store(dataset, temporary), attributes, parents)
 
 
 def _store(dataset: xr.Dataset, temporary: Path) -> None:
@@ -112,21 +101,55 @@ def _store(dataset: xr.Dataset, temporary: Path) -> None:
                 raise StorageError(f"{temporary}: {name}: reads back differently from what was written")
 
 
-def write_bytes_atomically(path: str | Path, store) -> None:
-    """Call ``store(temporary path)`` beside ``path``, sync it to disk and rename it into place."""
+def ancestry(path: Path, parents: Iterable[str | Path]) -> dict[str, str]:
+    """Parents of a file, relative to it, with their SHA-256."""
+    return {os.path.relpath(p, Path(path).parent): sha256(p) for p in parents}
+
+
+def write_bytes_atomically(
+    path: str | Path, store, provenance: Mapping[str, object], parents: Iterable[str | Path] = ()
+) -> None:
+    """Call ``store(temporary path)`` beside ``path``, sync it to disk and rename it into place.
+
+    The record goes first: a crash in between leaves a record without its file, never the reverse.
+
+    Args:
+        path: where to; the folder is created.
+        store: writes the content to the path it is given.
+        provenance: what the job says of itself, for the record.
+        parents: files it was computed from.
+
+    Raises:
+        StorageError: the disk refuses. No file is left behind.
+    """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    record = record_of(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with _temporary(path) as content, _temporary(record) as beside:
+            store(content)
+            beside.write_text(make_record(sha256(content), provenance, ancestry(path, parents)), encoding="utf-8")
+            for temporary, final in ((beside, record), (content, path)):
+                with open(temporary, "rb+") as handle:
+                    os.fsync(handle.fileno())
+                os.replace(temporary, final)
+    except (OSError, RuntimeError) as error:
+        if isinstance(error, StorageError):
+            raise
+        raise StorageError(
+            f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}; "
+            "free space or permissions, then run again"
+        ) from error
+
+
+@contextlib.contextmanager
+def _temporary(path: Path):
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp{path.suffix}")
     try:
-        store(temporary)
-        with open(temporary, "rb+") as handle:
-            os.fsync(handle.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise StorageError(f"{path}: cannot be written: {error.strerror or error}") from error
+        yield temporary
     finally:
-        with contextlib.suppress(FileNotFoundError):
-            temporary.unlink()
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -139,6 +162,7 @@ def read(path: str | Path) -> xr.Dataset:
     path = Path(path)
     if not path.is_file():
         raise StorageError(f"{path}: no such file")
+    check_digest(path)
     try:
         with xr.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
             names = list(opened.variables)

@@ -1,0 +1,103 @@
+"""Accidents: kills at random moments and a full disk end in a clear state that a resume completes."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hypernode.audit import verify
+from hypernode.storage.netcdf import sha256
+
+ROOT = Path(__file__).resolve().parents[2]
+KILLS = 10
+
+
+@pytest.fixture(autouse=True)
+def _only_on_demand(request):
+    if not request.config.getoption("--endurance"):
+        pytest.skip("kills and full disks run with --endurance")
+
+
+def command(folder, *arguments):
+    line = [sys.executable, "-m", "snakemake", *arguments, "--snakefile", str(ROOT / "Snakefile"), "--cores", "2"]
+    line += ["--profile", str(ROOT / "profiles/default"), "--directory", str(folder)]
+    return [*line, "--configfile", str(folder / "config.yaml")]
+
+
+def prepared(folder):
+    """One small case of two methods, so that a run takes a minute and passes every stage."""
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["cases"] = {"disc": {**config["cases"]["disc"], "methods": ["tiny", "tiny_constrained"]}}
+    config["figures"] = {"disc": config["figures"]["disc"]}
+    config["tables"] = {}
+    folder.mkdir()
+    (folder / "config.yaml").write_text(yaml.safe_dump(config))
+    return folder
+
+
+def descendants(folder):
+    """Processes that still work for a run in ``folder``."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").resolve() == folder and int(process.name) != os.getpid():
+                found.append(int(process.name))
+        except OSError:
+            continue
+    return found
+
+
+def digests(folder):
+    return {p.relative_to(folder): sha256(p) for p in sorted((folder / "results").rglob("*.nc"))}
+
+
+def test_ten_kills_leave_no_orphan_and_the_resumed_results_are_the_same_bytes(tmp_path):
+    whole = prepared(tmp_path / "whole")
+    begun = time.monotonic()
+    subprocess.run(command(whole), check=True, capture_output=True)
+    duration = time.monotonic() - begun
+    killed = prepared(tmp_path / "killed")
+    moments = random.Random(4)
+    for _ in range(KILLS):
+        subprocess.run(command(killed, "--unlock"), check=True, capture_output=True)
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        run = subprocess.Popen(command(killed, "--rerun-incomplete"), **quiet)
+        time.sleep(3.0 + moments.random() * duration / 3.0)
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+        time.sleep(1.5)
+        assert descendants(killed) == []
+    subprocess.run(command(killed, "--unlock"), check=True, capture_output=True)
+    done = subprocess.run(command(killed, "--rerun-incomplete"), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert digests(killed) == digests(whole)
+    assert verify(killed / "results") == []
+
+
+def test_a_full_disk_stops_with_one_line_and_the_run_goes_on_once_there_is_space(tmp_path):
+    folder = prepared(tmp_path / "full")
+    disk = folder / "results"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "none", str(disk)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("mounting a small file system is not allowed here")
+    try:
+        stopped = subprocess.run(command(folder), capture_output=True, text=True)
+        assert stopped.returncode != 0
+        assert "cannot be written" in stopped.stderr or "No space left" in stopped.stderr, stopped.stderr[-3000:]
+        assert not [p for p in disk.rglob("*") if ".tmp" in p.name]
+        subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
+        subprocess.run(command(folder, "--unlock"), check=True, capture_output=True)
+        done = subprocess.run(command(folder, "--rerun-incomplete"), capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[-2000:]
+        assert verify(disk) == []
+        shutil.copytree(disk, tmp_path / "kept")
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
