@@ -68,13 +68,34 @@ include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/figures.smk"
 
 
+TARGETS = [
+    *[f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+    *[
+        f"results/figures/{figure}.{kind}"
+        for figure in FIGURES
+        for kind in ("pdf", "png")
+    ],
+    *[f"results/tables/{table}.csv" for table in CONFIG.tables],
+]
+
+
+rule crate:
+    input:
+        TARGETS,
+    output:
+        ensure("results/ro-crate-metadata.json", non_empty=True),
+    log:
+        "results/logs/crate.log",
+    benchmark:
+        "results/benchmarks/crate.jsonl"
+    params:
+        code=CODE["crate"],
+    script:
+        "workflow/scripts/crate.py"
+
+
 rule all:
     default_target: True
     input:
-        [f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
-        [
-            f"results/figures/{figure}.{kind}"
-            for figure in FIGURES
-            for kind in ("pdf", "png")
-        ],
-        [f"results/tables/{table}.csv" for table in CONFIG.tables],
+        TARGETS,
+        "results/ro-crate-metadata.json",

@@ -313,7 +313,8 @@ class Case(Section):
 
     ``hole`` names a geometry where there is no material; ``layers`` are phases drawn over the first
     two; ``spacing`` is the ratio of the last to the first cell's side along x and y; ``camera`` measures
-    on a grid that is not the finite-element mesh.
+    on a grid that is not the finite-element mesh. ``unseen_loads`` are computed with the identified
+    field and compared with the truth.
     """
 
     geometry: str | None = None
@@ -328,6 +329,7 @@ class Case(Section):
     size: tuple[Positive, Positive] = (1.0, 1.0)
     spacing: tuple[Positive, Positive] = (1.0, 1.0)
     camera: Camera | None = None
+    unseen_loads: list[str] = []
     methods: list[str] = []
     judged_stretches: list[Positive] | None = None
 
@@ -336,7 +338,7 @@ class Case(Section):
         synthetic = {"geometry": self.geometry, "matrix": self.matrix, "loads": self.loads or None}
         if self.specimen:
             given = [key for key, value in synthetic.items() if value]
-            if given or self.inclusion or self.noise or self.layers or self.hole or self.camera:
+            if given or self.inclusion or self.noise or self.layers or self.hole or self.camera or self.unseen_loads:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
         else:
             missing = [key for key, value in synthetic.items() if not value]
@@ -402,7 +404,7 @@ Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
 class RunTable(Section):
     """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups."""
 
-    kind: Literal["runs", "timing"] = "runs"
+    kind: Literal["runs", "timing", "validation"] = "runs"
     runs: list[str] = ["*"]
     columns: list[str] = []
     groups: dict[str, str] = {}

@@ -58,6 +58,8 @@ def _references(config: Config):
             yield f"{at}.layers.{index}.material", layer.material, "materials", config.materials
         for index, value in enumerate(case.loads):
             yield f"{at}.loads.{index}", value, "loads", config.loads
+        for index, value in enumerate(case.unseen_loads):
+            yield f"{at}.unseen_loads.{index}", value, "loads", config.loads
         for index, value in enumerate(case.methods):
             yield f"{at}.methods.{index}", value, "methods", config.methods
     for name, figure in config.figures.items():

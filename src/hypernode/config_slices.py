@@ -7,23 +7,23 @@ from pydantic import TypeAdapter
 from hypernode.config import Case, Config, Method
 
 
-def slice_for(config: Config, name: str, sections=(), keys=None) -> dict:
+def slice_for(config: Config, name: str, sections, keys) -> dict:
     """The part of the configuration that one rule uses, as plain data for its ``params``.
 
     Args:
         name: case.
         sections: sections whose entries used by the case are included.
-        keys: keys of the case that matter to the rule; all but ``methods`` when left out.
+        keys: keys of the case that matter to the rule.
 
     Returns:
         A mapping that :func:`from_slice` turns back into a configuration of that one case.
     """
     case = config.cases[name].model_dump(mode="json", exclude_defaults=True)
-    kept = {k: v for k, v in case.items() if k != "methods" and (keys is None or k in keys)}
+    kept = {k: v for k, v in case.items() if k in keys}
     used = {
         "geometries": case_geometries(config.cases[name]),
         "materials": case_materials(config.cases[name]),
-        "loads": case.get("loads", []),
+        "loads": [load for key in ("loads", "unseen_loads") if key in keys for load in case.get(key, [])],
         "noise": [case.get("noise")],
         "specimens": [case.get("specimen")],
     }

@@ -108,7 +108,10 @@ def table_inputs(config: Config, name: str, runs: list[tuple[str, str]]) -> list
     if table.kind == "settings":
         return []
     chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
-    return [f"results/{case}/{method}/evaluation.nc" for case, method in chosen]
+    stage = "evaluation"
+    if table.kind == "validation":
+        stage, chosen = "validation", [run for run in chosen if config.cases[run[0]].unseen_loads]
+    return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen]
 
 
 def table_settings(config: Config, name: str) -> dict:

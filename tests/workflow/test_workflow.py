@@ -1,5 +1,6 @@
 """The workflow as its users meet it: from an empty folder to figures, and only what changed again."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -10,8 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from rocrate.rocrate import ROCrate
 
 import hypernode
+from hypernode.audit import lineage, verify
+from hypernode.figures import identification
 from hypernode.storage.netcdf import sha256
 from hypernode.storage.provenance import code_hash, modules_used
 
@@ -37,9 +41,13 @@ def smoke(request, tmp_path_factory):
 
 def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     names = {str(p.relative_to(smoke / "results")) for p in (smoke / "results").rglob("*") if p.is_file()}
+    constrained = ["constrained", "gradient", "homogenised", "initialised", "pretrained", "material", "evaluation"]
     stages = ["gradient", "interpolant", "homogenised", "initialised", "pretrained", "material", "evaluation"]
     wanted = {f"disc/{s}.nc" for s in ("true_material", "forward", "measurement")}
     wanted |= {f"disc/{m}/{s}.nc" for m in ("tiny", "tiny_pointwise") for s in stages}
+    wanted |= {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in constrained}
+    wanted |= {f"figures/{f}.{k}" for f in ("disc", "overview", "fibres", "several") for k in ("pdf", "png")}
+    wanted |= {f"tables/{t}.{k}" for t in ("groups", "timing", "materials") for k in ("csv", "md", "tex")}
     wanted |= {"figures/disc.pdf", "figures/disc.png", "tables/summary.csv", "tables/summary.md"}
     assert wanted <= names
     assert not [name for name in names if ".tmp" in name]
@@ -47,8 +55,17 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
 
 def test_the_summary_has_numbers_for_every_run(smoke):
     rows = (smoke / "results/tables/summary.csv").read_text().splitlines()
-    assert len(rows) == 3
+    assert len(rows) == 6
     assert all(0 < float(row.split(",")[2]) < 1 for row in rows[1:])
+    groups = (smoke / "results/tables/groups.csv").read_text().splitlines()
+    assert groups[1].startswith("all methods,3,mean,0.")
+
+
+def test_every_result_passes_the_audit_and_a_figure_leads_to_the_seed(smoke):
+    assert verify(smoke / "results") == []
+    figure = lineage(smoke / "results/figures/disc.pdf")
+    text = json.dumps(figure)
+    assert all(word in text for word in ("disc/forward.nc", '"seed": 7', '"radius": 0.25', "jaxlib"))
 
 
 def test_progress_lines_reach_the_log(smoke):
@@ -85,6 +102,19 @@ def test_identified_and_true_material_answer_the_same_questions(smoke):
             material.stress(X[0], F)
 
 
+def test_a_figure_is_rebuilt_from_the_crate_alone(smoke, tmp_path):
+    crate = ROCrate(smoke / "results")
+    (action,) = (e for e in crate.get_entities() if e.type == "CreateAction" and e["result"].id == "figures/disc.pdf")
+    for made_from in action["object"]:
+        (tmp_path / made_from.id).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(smoke / "results" / made_from.id, tmp_path / made_from.id)
+    names = {Path(o.id).stem: str(tmp_path / o.id) for o in action["object"]}
+    settings = json.loads(action["description"])["settings"]
+    inputs = {"evaluation": names["evaluation"], "truth": names["true_material"]}
+    identification.draw(inputs, {"pdf": tmp_path / "again.pdf"}, settings, {})
+    assert sha256(tmp_path / "again.pdf") == crate.dereference("figures/disc.pdf")["sha256"]
+
+
 def test_a_second_run_has_nothing_to_do(smoke):
     assert "Nothing to be done" in snakemake(smoke).stderr
 
@@ -97,7 +127,7 @@ def test_adding_a_case_runs_only_its_jobs(smoke, tmp_path):
     full = snakemake(smoke, "--dry-run", config=tmp_path / "more.yaml").stdout
     assert plan.returncode == 0
     jobs = [line for line in full.splitlines() if line.strip().startswith("output:")]
-    assert jobs and all("/other/" in line or "tables/" in line for line in jobs)
+    assert jobs and all("/other/" in line or "tables/" in line or "ro-crate" in line for line in jobs)
 
 
 def test_editing_one_method_stage_keeps_the_earlier_ones(smoke, tmp_path):
@@ -167,8 +197,8 @@ def test_the_code_hash_of_a_rule_covers_what_it_imports_and_no_more():
 
 def test_the_example_of_the_readme_runs(smoke, capsys):
     example = (ROOT / "README.md").read_text().split("```python\n")[1].split("```")[0]
-    assert "results/P_soft/paper/material.nc" in example
-    example = example.replace("results/P_soft/paper/material.nc", str(smoke / "results/disc/tiny/material.nc"))
+    assert "results/P_soft/hypernode/material.nc" in example
+    example = example.replace("results/P_soft/hypernode/material.nc", str(smoke / "results/disc/tiny/material.nc"))
     names = {}
     exec(example, names)
     assert names["P"].shape == (2, 2, 2) and names["W"].shape == (2,) and names["A"].shape == (2, 2, 2, 2, 2)

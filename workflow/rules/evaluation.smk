@@ -20,3 +20,20 @@ rule evaluation:
         ),
     script:
         "../scripts/evaluation.py"
+
+
+rule validation:
+    input:
+        truth="results/{case}/true_material.nc",
+        material="results/{case}/{method}/material.nc",
+    output:
+        ensure("results/{case}/{method}/validation.nc", non_empty=True),
+    log:
+        "results/logs/{case}/{method}/validation.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/validation.jsonl"
+    params:
+        code=CODE["validation"],
+        settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("unseen_loads",)),
+    script:
+        "../scripts/validation.py"

@@ -35,6 +35,8 @@ COLUMNS = {
     "SNR smoothed [dB]": ("snr_smoothed", ".1f"),
     "SNR used [dB]": ("snr_used", ".1f"),
     "parameters": ("parameters", "d"),
+    "unseen loads, u": ("unseen_displacement_error", ".4f"),
+    "unseen loads, forces": ("unseen_force_error", ".4f"),
 }
 
 
@@ -132,12 +134,14 @@ def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], 
 
     Args:
         evaluations: evaluation files of the runs in it.
-        settings: ``kind`` (runs, timing or settings), and ``columns`` and ``groups``, or ``entries``.
+        settings: ``kind`` (runs, validation, timing or settings), and ``columns`` and ``groups``, or ``entries``.
         files: ``csv``, ``markdown`` and ``latex`` paths.
         provenance: what the job says of itself.
     """
-    if settings["kind"] == "runs":
-        table = run_rows(evaluations, settings["columns"] or list(COLUMNS), settings["groups"])
+    if settings["kind"] in ("runs", "validation"):
+        unseen = [name for name in COLUMNS if name.startswith("unseen")]
+        default = unseen if settings["kind"] == "validation" else [name for name in COLUMNS if name not in unseen]
+        table = run_rows(evaluations, settings["columns"] or default, settings["groups"])
     elif settings["kind"] == "timing":
         table = timing_rows(evaluations)
     else:

@@ -1,0 +1,87 @@
+"""Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
+
+import json
+
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config import Config
+from hypernode.material import node_stress, parameter_field
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.loads import make_load
+from hypernode.progress import Progress
+from hypernode.stages.equilibrium_solver import EquilibriumSolver, closed_form_stress
+from hypernode.stages.fields import mesh_of
+from hypernode.storage.netcdf import read, units_of, write
+
+
+def _solve(solver, loads, progress):
+    """(u[step, node, i], edge forces[step, edge, i]) of every load."""
+    u, forces = [], []
+    for load in loads:
+        fields, _ = solver.solve(load, lambda step, history: progress.advance(residual=history[-1]))
+        for field in fields:
+            force = np.zeros((len(EDGE_NAMES), 2))
+            for (edge, component), value in solver.edge_forces(field, load).items():
+                force[EDGE_NAMES.index(edge), component] = value
+            u.append(field)
+            forces.append(force)
+    return np.stack(u), np.stack(forces)
+
+
+def run(config: Config, name: str, truth_file: str, material_file: str, output: str, attributes: dict) -> None:
+    """Solve the unseen loads with the true and the identified material and compare what would be measured.
+
+    The identified field is sampled at the cell centres of the true sheet's mesh. Errors are relative L2
+    norms over all steps of each load: of the departure of u from the affine motion's own size, and of
+    the resultants.
+
+    Raises:
+        ConvergenceError: Newton's method fails for one of the two.
+    """
+    truth, file = read(truth_file), read(material_file)
+    mesh, case = mesh_of(truth), config.cases[name]
+    loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.unseen_loads]
+    parameters = {v.split(".", 1)[1]: truth[v].values for v in truth if v.startswith("material.")}
+    node, params_at = parameter_field(file)
+    identified = np.asarray(params_at(mesh.centres).T, float)
+    solvers = (
+        EquilibriumSolver(mesh, closed_form_stress(tuple(json.loads(truth.attrs["models"]))), parameters),
+        EquilibriumSolver(
+            mesh,
+            lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
+            {"node": jnp.asarray(identified)},
+        ),
+    )
+    progress = Progress("validation", name, 2 * sum(len(load.H) for load in loads))
+    (u_true, f_true), (u, f) = (_solve(solver, loads, progress) for solver in solvers)
+    test = np.concatenate([np.full(len(load.H), k) for k, load in enumerate(loads)])
+
+    def worst(found, true):
+        return max(
+            float(np.linalg.norm(found[test == k] - true[test == k]) / np.linalg.norm(true[test == k]))
+            for k in range(len(loads))
+        )
+
+    write(
+        output,
+        {
+            "X": mesh.nodes,
+            "cells": mesh.cells,
+            "corners": np.stack([mesh.lower, mesh.upper]),
+            "test": test,
+            "stretch": np.concatenate([load.stretch for load in loads]),
+            "u": u,
+            "u_truth": u_true,
+            "edge_force": f_true,
+            "edge_force_identified": f,
+        },
+        f"unseen loads of {name}",
+        {
+            **attributes,
+            "units": units_of(truth),
+            "tests": case.unseen_loads,
+            "summary": {"unseen_displacement_error": worst(u, u_true), "unseen_force_error": worst(f, f_true)},
+        },
+        parents=[truth_file, material_file],
+    )

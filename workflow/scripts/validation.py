@@ -1,0 +1,16 @@
+"""Stage 10: loads that were not in the test."""
+
+from hypernode.config_slices import from_slice
+from hypernode.runtime import job
+
+with job(snakemake, float64=True) as attributes:
+    from hypernode.stages import validation
+
+    validation.run(
+        from_slice(snakemake.params.settings),
+        snakemake.wildcards.case,
+        snakemake.input.truth,
+        snakemake.input.material,
+        snakemake.output[0],
+        attributes,
+    )
