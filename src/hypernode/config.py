@@ -179,13 +179,14 @@ class Node(Section):
     """The neural ODEs of a material point.
 
     ``share`` is what a neural ODE's output counts beside the constant part of dPsi/dI: small where the
-    prior must keep curves plain, larger where strong fibres are to be represented.
+    prior must keep curves plain; with ``scaled`` it is one more parameter a term and point.
     """
 
     terms: list[Literal[tuple(TERMS)]] = Field(min_length=1)
     hidden: list[Count] = Field(min_length=1)
     rk4_steps: Count = 2
     share: Annotated[float, Field(gt=0, le=1)] = 0.1
+    scaled: bool = False
 
     @model_validator(mode="after")
     def _once(self):

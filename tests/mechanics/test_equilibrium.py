@@ -2,8 +2,15 @@
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
-from hypernode.mechanics.equilibrium import EDGE_NAMES, EquilibriumGap, nodal_force_matrices, stiffness_matrix
+from hypernode.mechanics.equilibrium import (
+    EDGE_NAMES,
+    EquilibriumGap,
+    nodal_force_matrices,
+    relative_gap,
+    stiffness_matrix,
+)
 from hypernode.mechanics.loads import make_load
 from hypernode.mechanics.mesh import rectilinear
 
@@ -84,3 +91,16 @@ def test_cells_without_material_leave_the_mesh():
     mesh = rectilinear(graded(5), graded(5), keep)
     assert len(mesh.cells) == 16 and len(mesh.nodes) == 36 - 4
     np.testing.assert_allclose(mesh.areas.sum(), 16 / 25)
+
+
+@pytest.mark.parametrize("kind", ["equibiaxial", "uniaxial_x"])
+def test_the_sparse_gap_is_the_gap_of_the_training(kind):
+    lines = np.linspace(0.0, 1.0, 7)
+    mesh = rectilinear(lines, 1.4 * lines)
+    constrained = edges(kind)
+    P = np.random.default_rng(3).normal(size=(3, len(mesh.cells), 2, 2))
+    resultant, scale = np.array([[1.0, 0.5], [2.0, 0.0], [0.1, 0.3]]), np.array([1.0, 2.0, 0.5])
+    gap = EquilibriumGap.build(mesh, constrained, constrained)
+    parts = gap.residuals(jnp.asarray(np.moveaxis(P, (2, 3), (0, 1))), jnp.asarray(resultant), jnp.asarray(scale))
+    wanted = np.sqrt(sum(np.asarray(jnp.sum(r**2, axis=0)) for r in parts))
+    np.testing.assert_allclose(relative_gap(mesh, constrained, constrained, P, resultant, scale), wanted, rtol=1e-4)

@@ -40,6 +40,7 @@ def test_output_width_is_the_published_one():
     terms = ("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w")
     assert NodeMaterial(terms, (4, 4), 4, 1.0, 1.0).size == 126
     assert NodeMaterial(("I1", "I2"), (4, 4), 4, 1.0, 1.0).size == 50
+    assert NodeMaterial(("I1", "I2"), (4, 4), 4, 1.0, 1.0, scaled=True).size == 52
 
 
 def test_parameters_split_and_join_back():

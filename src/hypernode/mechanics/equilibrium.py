@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
+import scipy.sparse.linalg
 from jaxtyping import Array, Bool, Float
 
 from hypernode.mechanics.mesh import EDGES, Mesh
@@ -71,6 +72,37 @@ def _test_space(mesh: Mesh, component: int, constrained, measured):
     return scipy.sparse.csr_matrix((np.ones(len(used)), (used, number[used])), shape), tied
 
 
+def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
+    """(test functions T, their energy matrix, the tied edge) for one displacement component."""
+    T, edge = _test_space(mesh, component, constrained, measured)
+    energy = (T.T @ K @ T).tocsc()
+    # A component that no edge holds can translate freely: its residual is balanced by construction,
+    # so any stiffness of the translation gives the same gap.
+    if not constrained[:, component].any():
+        energy[0, 0] += energy.diagonal().mean()
+    return T, energy, edge
+
+
+def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Float[np.ndarray, " step"]:
+    """:class:`EquilibriumGap` of given stresses, by sparse solves: for judging, not for training.
+
+    Args:
+        constrained, measured: as in :meth:`EquilibriumGap.build`.
+        P: cell stresses [step, cell, i, J].
+        resultant: force on the tied edge per component and unit thickness (step, 2).
+        scale: stress unit of each step.
+    """
+    D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
+    total = np.zeros(len(P))
+    for component in range(2):
+        T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+        R = T.T @ sum(D[J] @ P[:, :, component, J].T for J in range(2))
+        if edge is not None:
+            R[-1] -= resultant[:, component]
+        total += np.sum(R * scipy.sparse.linalg.spsolve(energy, R).reshape(R.shape), axis=0)
+    return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
+
+
 @dataclass(frozen=True)
 class EquilibriumGap:
     """Distance of a stress field from the nearest one in equilibrium with the measured forces.
@@ -107,11 +139,8 @@ class EquilibriumGap:
         D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
         whitened, loads, tied = [], [], []
         for component in range(2):
-            T, edge = _test_space(mesh, component, constrained, measured)
-            reduced = (T.T @ K @ T).toarray()
-            # A component that no edge holds can translate freely: its residual is balanced by
-            # construction, so any stiffness of the translation gives the same gap.
-            reduced += np.mean(np.diag(reduced)) / len(reduced) * float(not constrained[:, component].any())
+            T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+            reduced = energy.toarray()
             factor = np.linalg.cholesky(reduced)
             solve = np.linalg.inv(factor)
             maps = [jnp.asarray(np.ascontiguousarray((T.T @ D[J]).T @ solve.T).T, jnp.float32) for J in range(2)]

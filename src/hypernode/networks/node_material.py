@@ -16,7 +16,8 @@ class NodeMaterial:
 
     The parameters at a point are, in order: the neural-ODE weights of each term, one mixture logit
     for each two-invariant term, the logarithms of the constant parts of dPsi/dI1 and dPsi/dI2
-    (where those terms exist), and the fibre angle (where a fibre term exists).
+    (where those terms exist) and of the terms' shares (where those are scaled), and the fibre angle (where
+    a fibre term exists).
 
     Attributes:
         terms: names in :data:`TERMS`.
@@ -27,6 +28,8 @@ class NodeMaterial:
         share: share of a neural ODE's output in dPsi/dI. Below one, so that a neural ODE whose weights
             are small (h(1) close to h(0)) is a mild stiffening on top of the constant parts, and the
             prior of small weights means a nearly neo-Hookean material.
+        scaled: whether each term's share is a parameter of the point, beginning at ``share``. A term that
+            a point does not need then fades, which its weights alone achieve only by growing large.
     """
 
     terms: tuple[str, ...]
@@ -35,6 +38,7 @@ class NodeMaterial:
     invariant_scale: float
     stress_scale: float
     share: float = 0.1
+    scaled: bool = False
 
     @property
     def mixtures(self) -> tuple[str, ...]:
@@ -55,15 +59,16 @@ class NodeMaterial:
     def size(self) -> int:
         """Length of the parameter vector at a point: the hyper-network's output width."""
         return (
-            len(self.terms) * weight_count(self.hidden)
-            + len(self.mixtures)
-            + len(self.constants)
-            + int(self.has_fibres)
+            len(self.terms) * weight_count(self.hidden) + len(self.mixtures) + self._logarithms + int(self.has_fibres)
         )
 
+    @property
+    def _logarithms(self) -> int:
+        return len(self.constants) + (len(self.terms) if self.scaled else 0)
+
     def split(self, node_params: Float[Array, "size ..."]):
-        """(weights[k, term, ...], mixture logits[m, ...], log constants[c, ...], fibre angle[...])."""
-        k, n, m, c = weight_count(self.hidden), len(self.terms), len(self.mixtures), len(self.constants)
+        """(weights[k, term, ...], mixture logits[m, ...], logarithms[c, ...], fibre angle[...])."""
+        k, n, m, c = weight_count(self.hidden), len(self.terms), len(self.mixtures), self._logarithms
         batch = node_params.shape[1:]
         weights = node_params[: k * n].reshape(k, n, *batch)
         mixture = node_params[k * n : k * n + m]
@@ -108,10 +113,12 @@ class NodeMaterial:
         h = jnp.stack(inputs, axis=-2) / self.invariant_scale
         values = flow(h, weights, self.hidden, self.steps)
         total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
+        own = constants[len(self.constants) :]
+        term_share = jnp.exp(own) if self.scaled else jnp.full(len(self.terms), self.share)
         for index, share in enumerate(shares):
             for name, s in share.items():
-                total[name] = total[name] + self.share * s * values[..., index, :]
-        for name, constant in zip(self.constants, constants, strict=True):
+                total[name] = total[name] + term_share[index] * s * values[..., index, :]
+        for name, constant in zip(self.constants, constants, strict=False):
             total[name] = total[name] + jnp.exp(constant)
         return type(I)(**{name: self.stress_scale * value for name, value in total.items()})
 
@@ -122,7 +129,8 @@ class NodeMaterial:
         spread = 0.5 / max(self.hidden) ** 0.5
         weights = jnp.stack([spread * jax.random.normal(each, (k,)) for each in keys], axis=1)
         start = {"I1": 0.4, "I2": 0.05}
-        constants = jnp.log(jnp.array([start[name] for name in self.constants]))
+        shares = [self.share] * len(self.terms) if self.scaled else []
+        constants = jnp.log(jnp.array([start[name] for name in self.constants] + shares))
         return self.join(weights, jnp.zeros(len(self.mixtures)), constants, jnp.zeros(()))
 
     def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:

@@ -3,12 +3,11 @@
 import json
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Config, Image
 from hypernode.material import load_material, nearest_cell
-from hypernode.mechanics.equilibrium import EquilibriumGap, nodal_force_matrices
+from hypernode.mechanics.equilibrium import nodal_force_matrices, relative_gap
 from hypernode.mechanics.kinematics import largest_principal_strain
 from hypernode.mechanics.mesh import EDGES
 from hypernode.probes import MODES, curves, indicator, mode_gradients, preferred_direction, stress_at_common_F
@@ -73,13 +72,9 @@ def _equilibrium(mesh, loading: Loading, P):
     gap = np.zeros(len(P))
     for k in range(loading.test.max() + 1):
         steps = np.flatnonzero(loading.test == k)
-        measure = EquilibriumGap.build(mesh, loading.constrained[k], loading.known[k])
-        parts = measure.residuals(
-            jnp.asarray(np.moveaxis(P[steps], (2, 3), (0, 1)), jnp.float32),
-            jnp.asarray(loading.resultant[steps], jnp.float32),
-            jnp.asarray(loading.scale[steps], jnp.float32),
+        gap[steps] = relative_gap(
+            mesh, loading.constrained[k], loading.known[k], P[steps], loading.resultant[steps], loading.scale[steps]
         )
-        gap[steps] = np.sqrt(sum(np.asarray(jnp.sum(r**2, axis=0)) for r in parts))
     return forces, residual, gap
 
 
