@@ -4,13 +4,13 @@ rule figure:
     output:
         pdf=report(
             "results/figures/{figure}.pdf",
-            caption="../report/identification.rst",
+            caption="../report/figure.rst",
             category="Figures",
             labels={"figure": "{figure}", "format": "PDF"},
         ),
         png=report(
             "results/figures/{figure}.png",
-            caption="../report/identification.rst",
+            caption="../report/figure.rst",
             category="Figures",
             labels={"figure": "{figure}", "format": "PNG"},
         ),

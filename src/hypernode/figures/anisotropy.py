@@ -78,7 +78,8 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
             else:
                 axes.set_xlabel("uniaxial stretch [-]")
                 axes.set_ylabel("$P$" + stress)
-        e.legend(frameon=False, fontsize=6)
+        e.set_ylim(top=1.6 * e.get_ylim()[1])
+        e.legend(frameon=False, loc="upper left", fontsize=6)
         save(figure, files, provenance, inputs.values())
 
 

@@ -99,12 +99,12 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         curve.set_title("lines identified, circles true", fontsize=6)
         curve.legend(frameon=False, fontsize=6)
         for start, end in (
-            ((0.245, 0.72), (0.28, 0.72)),
-            ((0.52, 0.72), (0.555, 0.72)),
+            ((0.262, 0.72), (0.287, 0.72)),
+            ((0.532, 0.72), (0.556, 0.72)),
             ((0.735, 0.72), (0.795, 0.72)),
             ((0.89, 0.655), (0.89, 0.51)),
             ((0.8, 0.4), (0.67, 0.3)),
-            ((0.35, 0.25), (0.25, 0.25)),
+            ((0.295, 0.25), (0.262, 0.25)),
         ):
             _arrow(figure, start, end)
         save(figure, files, provenance, inputs.values())

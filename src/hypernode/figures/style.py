@@ -32,7 +32,7 @@ RC = {
 def draw_field(axes, dataset, values, norm: Normalize, cmap: str = FIELD_MAP):
     """Draw one value a cell in the reference configuration; returns the mappable for a colour bar."""
     corners = dataset["X"].values[dataset["cells"].values]
-    cells = PolyCollection(corners, array=np.asarray(values), cmap=cmap, norm=norm, rasterized=True)
+    cells = PolyCollection(corners, array=np.ma.asarray(values), cmap=cmap, norm=norm, rasterized=True)
     cells.set_edgecolor("face")
     cells.set_linewidth(0.2)
     axes.add_collection(cells)
