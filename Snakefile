@@ -60,14 +60,6 @@ localrules:
     all,
 
 
-include: "workflow/rules/forward.smk"
-include: "workflow/rules/measurement.smk"
-include: "workflow/rules/interpolant.smk"
-include: "workflow/rules/inverse.smk"
-include: "workflow/rules/evaluation.smk"
-include: "workflow/rules/figures.smk"
-
-
 TARGETS = [
     *[f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
     *[
@@ -79,19 +71,13 @@ TARGETS = [
 ]
 
 
-rule crate:
-    input:
-        TARGETS,
-    output:
-        ensure("results/ro-crate-metadata.json", non_empty=True),
-    log:
-        "results/logs/crate.log",
-    benchmark:
-        "results/benchmarks/crate.jsonl"
-    params:
-        code=CODE["crate"],
-    script:
-        "workflow/scripts/crate.py"
+include: "workflow/rules/forward.smk"
+include: "workflow/rules/measurement.smk"
+include: "workflow/rules/interpolant.smk"
+include: "workflow/rules/inverse.smk"
+include: "workflow/rules/evaluation.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/crate.smk"
 
 
 rule all:

@@ -156,6 +156,11 @@ def _node(file: xr.Dataset) -> Material:
 _KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "node": _node}
 
 
+def material_of(file: xr.Dataset) -> Material:
+    """The material field of an opened result file that holds one."""
+    return _KINDS[file.attrs["material_kind"]](file)
+
+
 def load_material(path: str | Path) -> Material:
     """The material field stored in a result file, identified or true.
 
@@ -166,7 +171,6 @@ def load_material(path: str | Path) -> Material:
         StorageError: the file is missing, damaged, or holds no material.
     """
     file = read(path)
-    kind = file.attrs.get("material_kind")
-    if kind not in _KINDS:
+    if file.attrs.get("material_kind") not in _KINDS:
         raise StorageError(f"{path}: holds no material; load material.nc of a run or true_material.nc of a case")
-    return _KINDS[kind](file)
+    return material_of(file)

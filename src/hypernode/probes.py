@@ -7,6 +7,8 @@ from hypernode.material import Material
 
 #: Homogeneous deformations in which materials are compared.
 MODES = ("equibiaxial", "strip_x", "strip_y", "shear")
+#: Difference over sum of the principal stresses above which a material has a fibre direction to find.
+SMALLEST_ANISOTROPY = 0.05
 
 
 def mode_gradients(stretches) -> np.ndarray:

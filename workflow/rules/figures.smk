@@ -25,13 +25,13 @@ rule figure:
         "../scripts/figure.py"
 
 
-rule summary:
+rule table:
     input:
         lambda w: table_inputs(CONFIG, w.table, RUNS),
     output:
         csv=report(
             "results/tables/{table}.csv",
-            caption="../report/summary.rst",
+            caption="../report/table.rst",
             category="Tables",
             labels={"table": "{table}", "format": "CSV"},
         ),
@@ -42,7 +42,7 @@ rule summary:
     benchmark:
         "results/benchmarks/tables/{table}.jsonl"
     params:
-        code=CODE["summary"],
+        code=CODE["table"],
         settings=lambda w: table_settings(CONFIG, w.table),
     script:
-        "../scripts/summary.py"
+        "../scripts/table.py"

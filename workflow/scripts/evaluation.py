@@ -9,11 +9,7 @@ with job(snakemake) as attributes:
     evaluation.run(
         from_slice(snakemake.params.settings),
         snakemake.wildcards.case,
-        snakemake.input.measurement,
-        snakemake.input.gradient,
-        snakemake.input.field,
-        snakemake.input.material,
+        dict(snakemake.input),
         snakemake.output[0],
         attributes,
-        truth_file=snakemake.input.get("truth"),
     )

@@ -18,8 +18,7 @@ from hypernode.figures.style import (
     unit_label,
 )
 from hypernode.material import load_material
-from hypernode.probes import uniaxial_stress
-from hypernode.stages.evaluation import SMALLEST_ANISOTROPY
+from hypernode.probes import SMALLEST_ANISOTROPY, uniaxial_stress
 from hypernode.storage.netcdf import read, units_of
 
 CURVE_POINTS = 9

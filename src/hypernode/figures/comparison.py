@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from hypernode.figures.style import ERROR_MAP, FIELD_MAP, RC, draw_field, save, shared_norm, unit_label
-from hypernode.material import load_material
+from hypernode.material import load_material, material_of
 from hypernode.probes import indicator
 from hypernode.storage.netcdf import read, units_of
 
@@ -20,20 +20,20 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         provenance: what the job says of itself.
     """
     stretches, kind, errors = settings["stretches"], settings["load"], settings["show"] == "error"
-    rows, grid = [], None
+    rows = []
     for index, run in enumerate(settings["runs"]):
         file = read(inputs[f"run{index}"])
         X = file["X"].values[file["cells"].values].mean(axis=1)
-        truth = inputs.get(f"truth{index}")
-        true = [indicator(load_material(truth), X, kind, s) for s in stretches] if truth else None
+        truth = load_material(inputs[f"truth{index}"]) if f"truth{index}" in inputs else None
+        true = [indicator(truth, X, kind, s) for s in stretches] if truth else None
         if true and index == 0 and not errors:
             rows.append(("truth", file, true, true))
-        found = [indicator(load_material(inputs[f"run{index}"]), X, kind, s) for s in stretches]
+        material = material_of(file)
+        found = [indicator(material, X, kind, s) for s in stretches]
         rows.append((run["label"], file, found, true))
-        grid = grid or units_of(file)
     biaxial = kind in ("equibiaxial", "biaxial", "shear")
     name = "tr $P$" if biaxial else f"$P_{{{'xX' if kind.endswith('x') else 'yY'}}}$"
-    label = "relative error [-]" if errors else name + unit_label(grid["stress"])
+    label = "relative error [-]" if errors else name + unit_label(units_of(rows[0][1])["stress"])
     with plt.rc_context(RC):
         size = (1.55 * len(stretches) + 0.7, 1.45 * len(rows) + 0.5)
         figure, panels = plt.subplots(len(rows), len(stretches), figsize=size, layout="constrained", squeeze=False)

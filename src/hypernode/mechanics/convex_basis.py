@@ -17,8 +17,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.kinematics import right_cauchy_green
+from hypernode.mechanics.kinematics import invariants, right_cauchy_green
 from hypernode.mechanics.material_names import BASIS_TERMS
+from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, lose their direction gradually.
 ROUNDING = 0.02
@@ -62,23 +63,39 @@ class ConvexBasis:
             params: parameters in the order of :attr:`names`, broadcastable to the batch shape.
         """
         p = dict(zip(self.names, params, strict=True))
-        C11, C22, C12 = right_cauchy_green(F)
-        J2 = C11 * C22 - C12**2
-        trace = C11 + C22
-        e1, e2 = trace + 1.0 / J2 - 3.0, J2 + trace / J2 - 3.0
+        I = invariants(F, 0.0)
+        e1, e2 = I.I1 - 3.0, I.I2 - 3.0
         total = e1
         if "I1_squared" in self.terms:
             total = total + jnp.exp(p["log_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             total = total + jnp.exp(p["log_I2"]) * e2
         if "fibre" in self.terms:
-            z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
-            planar = 0.5 * trace - 1.0 + (0.5 * (C11 - C22) * p["fibre_x"] + C12 * p["fibre_y"]) / z
-            b = jax.nn.sigmoid(p["logit_dispersion"])
-            E = jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)
-            total = total + (z - ROUNDING) * E**2 / (2.0 * self.invariant_scale)
+            strength, _, _, E = self._fibre(F, e1, p)
+            total = total + strength * E**2 / (2.0 * self.invariant_scale)
         return jnp.exp(p["log_level"]) * total
 
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
-        return jax.grad(lambda F: jnp.sum(self.energy(F, params)))(F)
+        p = dict(zip(self.names, params, strict=True))
+        e1 = invariants(F, 0.0).I1 - 3.0
+        dI1, dI2, S = jnp.ones_like(e1), jnp.zeros_like(e1), (0.0, 0.0, 0.0)
+        if "I1_squared" in self.terms:
+            dI1 = dI1 + jnp.exp(p["log_I1_squared"]) * e1 / self.invariant_scale
+        if "I2" in self.terms:
+            dI2 = dI2 + jnp.exp(p["log_I2"])
+        if "fibre" in self.terms:
+            strength, b, (M11, M22, M12), E = self._fibre(F, e1, p)
+            slope = strength * E / self.invariant_scale
+            dI1 = dI1 + b * slope
+            S = tuple(2.0 * (1.0 - b) * slope * M for M in (M11, M22, M12))
+        return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S)
+
+    def _fibre(self, F, e1, p):
+        """(strength k, dispersion b, (M11, M22, M12), strain E) of the fibres, E clamped in compression."""
+        z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
+        M = 0.5 * (1.0 + p["fibre_x"] / z), 0.5 * (1.0 - p["fibre_x"] / z), 0.5 * p["fibre_y"] / z
+        C11, C22, C12 = right_cauchy_green(F)
+        b = jax.nn.sigmoid(p["logit_dispersion"])
+        planar = M[0] * C11 + M[1] * C22 + 2.0 * M[2] * C12 - 1.0
+        return z - ROUNDING, b, M, jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)

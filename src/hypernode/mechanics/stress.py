@@ -22,17 +22,29 @@ def first_piola_kirchhoff(
     Returns:
         P[i, J, ...] in the units of dPsi.
     """
+    # dI4/dF = 2 F (a x a): both families give the symmetric 2 x 2 matrix S.
+    c, s = jnp.cos(fibre_angle), jnp.sin(fibre_angle)
+    S11 = 2.0 * (dPsi.I4v * c**2 + dPsi.I4w * s**2)
+    S22 = 2.0 * (dPsi.I4v * s**2 + dPsi.I4w * c**2)
+    S12 = 2.0 * (dPsi.I4v - dPsi.I4w) * c * s
+    return stress_with_structure(F, dPsi.I1, dPsi.I2, (S11, S22, S12))
+
+
+def stress_with_structure(F: Float[Array, "2 2 ..."], dI1, dI2, S) -> Float[Array, "2 2 ..."]:
+    """The kernel itself, for fibres given as a tensor rather than by their angle.
+
+    Args:
+        F: in-plane deformation gradient F[i, J, ...].
+        dI1, dI2: energy derivatives with respect to the isotropic invariants.
+        S: (S11, S22, S12) of the symmetric tensor 2 sum_k dPsi/dI4k a_k x a_k.
+    """
     (F11, F12), (F21, F22) = F
     J = F11 * F22 - F12 * F21
     trace = F11**2 + F12**2 + F21**2 + F22**2
     # dI1/dF = 2 F - 2 J^-3 cof F and dI2/dF = 2 F / J^2 + 2 (J - tr C / J^3) cof F.
-    on_F = 2.0 * (dPsi.I1 + dPsi.I2 / J**2)
-    on_cofactor = -2.0 * dPsi.I1 / J**3 + 2.0 * dPsi.I2 * (J - trace / J**3)
-    # dI4/dF = 2 F (a x a): both families give the symmetric 2 x 2 matrix M.
-    c, s = jnp.cos(fibre_angle), jnp.sin(fibre_angle)
-    M11 = on_F + 2.0 * (dPsi.I4v * c**2 + dPsi.I4w * s**2)
-    M22 = on_F + 2.0 * (dPsi.I4v * s**2 + dPsi.I4w * c**2)
-    M12 = 2.0 * (dPsi.I4v - dPsi.I4w) * c * s
+    on_F = 2.0 * (dI1 + dI2 / J**2)
+    on_cofactor = -2.0 * dI1 / J**3 + 2.0 * dI2 * (J - trace / J**3)
+    M11, M22, M12 = on_F + S[0], on_F + S[1], S[2]
     return jnp.stack(
         [
             jnp.stack([F11 * M11 + F12 * M12 + on_cofactor * F22, F11 * M12 + F12 * M22 - on_cofactor * F21]),

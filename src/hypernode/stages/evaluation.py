@@ -1,16 +1,25 @@
 """Stage 9: how good an identified material is, on one scale for every run."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from hypernode.config import Config, Image
-from hypernode.material import load_material, nearest_cell
+from hypernode.material import material_of, nearest_cell
 from hypernode.mechanics.equilibrium import nodal_force_matrices, relative_gap
 from hypernode.mechanics.kinematics import largest_principal_strain
 from hypernode.mechanics.mesh import EDGES
-from hypernode.probes import MODES, curves, indicator, mode_gradients, preferred_direction, stress_at_common_F
+from hypernode.probes import (
+    MODES,
+    SMALLEST_ANISOTROPY,
+    curves,
+    indicator,
+    mode_gradients,
+    preferred_direction,
+    stress_at_common_F,
+)
 from hypernode.stages.fields import Loading, field_gradient, mesh_of
 from hypernode.stages.fields import deformation_gradient as element_gradient
 from hypernode.stages.geometry import make_shape
@@ -30,8 +39,6 @@ SHAPE_STRETCH = 1.1
 CURVE_POINTS = 21
 #: Signal-to-noise ratio [dB] beyond which there is no noise to speak of.
 EXACT = 200.0
-#: Difference over sum of the principal stresses above which a material has a fibre direction to find.
-SMALLEST_ANISOTROPY = 0.05
 
 
 def relative_error(found, true, weights) -> float:
@@ -78,29 +85,28 @@ def _equilibrium(mesh, loading: Loading, P):
     return forces, residual, gap
 
 
-def weight_count(material_file: str) -> int:
+def trained_weights(file) -> int:
     """Number of trained weights of an identified material."""
-    file = read(material_file)
     return int(sum(file[v].size for v in file if v.startswith("hypernetwork.") and "frequencies" not in v))
 
 
-def run(
-    config: Config,
-    name: str,
-    measurement_file: str,
-    gradient_file: str,
-    field_file: str,
-    material_file: str,
-    output: str,
-    attributes: dict,
-    truth_file: str | None = None,
-) -> None:
-    """Judge one run and write every number and field that figures and tables show."""
+def run(config: Config, name: str, files: Mapping[str, str], output: str, attributes: dict) -> None:
+    """Judge one run and write every number and field that figures and tables show.
+
+    Args:
+        files: paths of ``measurement``, ``gradient``, ``field`` (interpolant or gradient), ``material``,
+            and ``truth`` where it is known.
+    """
     case = config.cases[name]
-    measurement, gradient, deformation = read(measurement_file), read(gradient_file), read(field_file)
+    # The field is the gradient itself where the method has no interpolant: read each file once.
+    opened = {path: read(path) for path in dict.fromkeys(files.values())}
+    measurement, gradient, deformation, material = (
+        opened[files[key]] for key in ("measurement", "gradient", "field", "material")
+    )
+    truth = opened[files["truth"]] if "truth" in files else None
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
     X = mesh.centres
-    found = load_material(material_file)
+    found = material_of(material)
     kind = config.loads[case.loads[0]].kind if case.loads else config.specimens[case.specimen].load
     largest = float(measurement["stretch"].values.max())
     stretches = np.array(case.judged_stretches or measurement["stretch"].values[loading.test == 0])
@@ -139,7 +145,7 @@ def run(
     }
     summary = {
         "case": name,
-        "parameters": weight_count(material_file),
+        "parameters": trained_weights(material),
         "edge_force_error": float(force_error.max()),
         "equilibrium_residual": float(residual.max()),
         "equilibrium_gap": float(gap.max()),
@@ -148,8 +154,9 @@ def run(
         variables["misfit"] = deformation["misfit"].values
         summary["interpolant_misfit"] = float(variables["misfit"].max())
     true_shape = None
-    if truth_file:
-        true_shape = _judge_truth(truth_file, found, mesh, F, kind, variables, summary)
+    if truth is not None:
+        true = material_of(truth)
+        true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
     elif case.specimen and Path(config.specimens[case.specimen].shape_image or "/").is_file():
         true_shape = _judge_printed(config.specimens[case.specimen], measurement, mesh, shape, summary)
     if true_shape is not None:
@@ -159,23 +166,17 @@ def run(
             "iou": intersection_over_union(shape, true_shape),
             "boundary_distance": boundary_distance(mesh, shape, true_shape),
         }
-    sides = true_shape if true_shape is not None and truth_file else shape
+    sides = true_shape if true_shape is not None and truth is not None else shape
     cells = most_interior(mesh, sides)
     variables["curve_location"] = X[cells]
     variables["curve_identified"] = curves(found, X[cells], curve_stretch, kind)
-    if truth_file:
-        variables["curve_true"] = curves(load_material(truth_file), X[cells], curve_stretch, kind)
+    if truth is not None:
+        variables["curve_true"] = curves(true, X[cells], curve_stretch, kind)
         summary |= _curve_scores(variables["curve_identified"], variables["curve_true"])
     if shape.any() and not shape.all():
         summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
     if "F_truth" in measurement:
-        true_F = measurement["F_truth"].values
-        raw = element_gradient(mesh, measurement["u_measured"].values.mean(axis=0))
-        for label, F_seen_by in (("measured", raw), ("smoothed", gradient["F"].values), ("used", F_seen)):
-            variables[f"snr_{label}"] = signal_to_noise(F_seen_by, true_F)
-            if variables[f"snr_{label}"].max() < EXACT:
-                summary[f"snr_{label}"] = float(variables[f"snr_{label}"].mean())
-    parents = (measurement_file, gradient_file, field_file, material_file, truth_file)
+        _judge_noise(mesh, measurement, {"smoothed": gradient["F"].values, "used": F_seen}, variables, summary)
     write(
         output,
         variables,
@@ -189,13 +190,22 @@ def run(
             "shape_stretch": shape_stretch,
             "summary": summary,
         },
-        parents=[p for p in dict.fromkeys(parents) if p],
+        parents=opened,
     )
 
 
-def _judge_truth(truth_file, found, mesh, F, kind, variables, summary):
+def _judge_noise(mesh, measurement, fields, variables, summary):
+    """Signal-to-noise ratio of the differentiated measurement and of what the method made of it."""
+    true = measurement["F_truth"].values
+    fields = {"measured": element_gradient(mesh, measurement["u_measured"].values.mean(axis=0)), **fields}
+    for label, F in fields.items():
+        variables[f"snr_{label}"] = signal_to_noise(F, true)
+        if variables[f"snr_{label}"].max() < EXACT:
+            summary[f"snr_{label}"] = float(variables[f"snr_{label}"].mean())
+
+
+def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
     """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
-    truth, true = read(truth_file), load_material(truth_file)
     X, areas = mesh.centres, mesh.areas
     P_true, P = stress_at_common_F(true, X, F), variables["P_identified"]
     largest = float(F[0, -1, 0, 0])

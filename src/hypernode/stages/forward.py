@@ -1,17 +1,33 @@
 """Stage 1: equilibrium states of a synthetic sheet under its loads."""
 
 import json
+from collections.abc import Callable
 
 import jax
 import numpy as np
 
 from hypernode.config import Config
 from hypernode.mechanics.equilibrium import EDGE_NAMES
-from hypernode.mechanics.loads import make_load
+from hypernode.mechanics.loads import Load, make_load
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, closed_form_stress
 from hypernode.stages.fields import mesh_of
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, read, write
+
+
+def true_sheet(truth) -> tuple[EquilibriumSolver, Callable, dict[str, np.ndarray]]:
+    """(solver, stress law at a point, its parameters by cell) of an opened true-material file."""
+    stress = closed_form_stress(tuple(json.loads(truth.attrs["models"])))
+    parameters = {v.split(".", 1)[1]: truth[v].values for v in truth if v.startswith("material.")}
+    return EquilibriumSolver(mesh_of(truth), stress, parameters), stress, parameters
+
+
+def resultants(solver: EquilibriumSolver, u, load: Load) -> np.ndarray:
+    """Outward force on each edge and component (edge, 2), zero where nothing is prescribed."""
+    force = np.zeros((len(EDGE_NAMES), 2))
+    for (edge, component), value in solver.edge_forces(u, load).items():
+        force[EDGE_NAMES.index(edge), component] = value
+    return force
 
 
 def run(config: Config, name: str, truth_file: str, output: str, attributes: dict) -> None:
@@ -21,11 +37,7 @@ def run(config: Config, name: str, truth_file: str, output: str, attributes: dic
         ConvergenceError: Newton's method fails; no file is written.
     """
     truth = read(truth_file)
-    mesh = mesh_of(truth)
-    models = tuple(json.loads(truth.attrs["models"]))
-    parameters = {v.split(".", 1)[1]: truth[v].values for v in truth if v.startswith("material.")}
-    stress = closed_form_stress(models)
-    solver = EquilibriumSolver(mesh, stress, parameters)
+    solver, stress, parameters = true_sheet(truth)
     at_points = jax.jit(jax.vmap(jax.vmap(stress, (0, None)), (0, 0)))
     case = config.cases[name]
     loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.loads]
@@ -38,14 +50,11 @@ def run(config: Config, name: str, truth_file: str, output: str, attributes: dic
         for edge, component in load.constrained:
             constrained[EDGE_NAMES.index(edge), component] = 1.0
         for step, field in enumerate(u):
-            force = np.zeros((len(EDGE_NAMES), 2))
-            for (edge, component), value in solver.edge_forces(field, load).items():
-                force[EDGE_NAMES.index(edge), component] = value
             F = solver.deformation_gradient(field)
             fields["u"].append(field)
             fields["F_quadrature"].append(F)
             fields["P_quadrature"].append(np.asarray(at_points(F, parameters)))
-            fields["edge_force"].append(force)
+            fields["edge_force"].append(resultants(solver, field, load))
             fields["edge_constrained"].append(constrained)
             fields["test"].append(number)
             fields["stretch"].append(load.stretch[step])

@@ -1,17 +1,15 @@
 """Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
 
-import json
-
 import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Config
 from hypernode.material import node_stress, parameter_field
-from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.loads import make_load
 from hypernode.progress import Progress
-from hypernode.stages.equilibrium_solver import EquilibriumSolver, closed_form_stress
+from hypernode.stages.equilibrium_solver import EquilibriumSolver
 from hypernode.stages.fields import mesh_of
+from hypernode.stages.forward import resultants, true_sheet
 from hypernode.storage.netcdf import read, units_of, write
 
 
@@ -21,11 +19,8 @@ def _solve(solver, loads, progress):
     for load in loads:
         fields, _ = solver.solve(load, lambda step, history: progress.advance(residual=history[-1]))
         for field in fields:
-            force = np.zeros((len(EDGE_NAMES), 2))
-            for (edge, component), value in solver.edge_forces(field, load).items():
-                force[EDGE_NAMES.index(edge), component] = value
             u.append(field)
-            forces.append(force)
+            forces.append(resultants(solver, field, load))
     return np.stack(u), np.stack(forces)
 
 
@@ -33,8 +28,7 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     """Solve the unseen loads with the true and the identified material and compare what would be measured.
 
     The identified field is sampled at the cell centres of the true sheet's mesh. Errors are relative L2
-    norms over all steps of each load: of the departure of u from the affine motion's own size, and of
-    the resultants.
+    norms over all steps of a load, of the displacements and of the resultants; the worst load counts.
 
     Raises:
         ConvergenceError: Newton's method fails for one of the two.
@@ -42,11 +36,10 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     truth, file = read(truth_file), read(material_file)
     mesh, case = mesh_of(truth), config.cases[name]
     loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.unseen_loads]
-    parameters = {v.split(".", 1)[1]: truth[v].values for v in truth if v.startswith("material.")}
     node, params_at = parameter_field(file)
     identified = np.asarray(params_at(mesh.centres).T, float)
     solvers = (
-        EquilibriumSolver(mesh, closed_form_stress(tuple(json.loads(truth.attrs["models"]))), parameters),
+        true_sheet(truth)[0],
         EquilibriumSolver(
             mesh,
             lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],

@@ -3,7 +3,7 @@
 from hypernode.runtime import job
 
 with job(snakemake) as attributes:
-    from hypernode.figures import summary
+    from hypernode.figures import tables
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
-    summary.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)
+    tables.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)

@@ -1,0 +1,259 @@
+"""What equilibrium makes of a material field: displacements and forces, and their derivatives.
+
+The forward half of :mod:`hypernode.stages.constrained`: the data of a measurement, the finite-element
+equilibrium of every load step for a field of convex-basis parameters, and the exact linearisation of
+the one with respect to the other.
+"""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+from jaxtyping import Float
+from scipy.interpolate import make_smoothing_spline
+from scipy.optimize import least_squares
+
+from hypernode.config import Constrained
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.mesh import EDGES, Mesh
+from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
+from hypernode.stages.fields import Loading, deformation_gradient, mesh_of
+
+#: Displacements are never trusted beyond this share of the largest one.
+RELATIVE_FLOOR = 3e-5
+#: Misfit of the best homogeneous material beyond which the basis cannot describe the forces (a record
+#: with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it.
+DESCRIPTION_ERROR = 0.01
+#: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
+STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
+NEWTON_TOLERANCE = 1e-8
+
+
+def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
+    """Prescribed displacements: the measured ones on every held edge, smoothed along it.
+
+    The smoothing spline chooses its own weight by generalised cross-validation.
+
+    Returns:
+        (mask (node, 2), values (node, 2)).
+    """
+    total, count = np.zeros_like(u), np.zeros_like(u)
+    for index, (edge, (axis, _)) in enumerate(EDGES.items()):
+        on = np.flatnonzero(mesh.on_edge(edge))
+        on = on[np.argsort(mesh.nodes[on, 1 - axis])]
+        along = mesh.nodes[on, 1 - axis]
+        for i in np.flatnonzero(held[index]):
+            values = u[on, i]
+            unit = max(np.abs(values).max(), 1e-300)
+            if len(on) >= 5 and np.ptp(values) > 1e-12 * unit:
+                values = make_smoothing_spline(along, values / unit)(along) * unit
+            total[on, i] += values
+            count[on, i] += 1
+    mask = count > 0
+    return mask, np.where(mask, total / np.maximum(count, 1), 0.0)
+
+
+@dataclasses.dataclass
+class State:
+    """Equilibrium of one load step for one material field."""
+
+    u: np.ndarray
+    force: np.ndarray
+    tangent: scipy.sparse.csc_matrix
+    free: np.ndarray
+    factor: scipy.sparse.linalg.SuperLU
+
+
+@dataclasses.dataclass
+class EdgeForce:
+    """A measured resultant: load step, indicator of its degrees of freedom, value and its uncertainty."""
+
+    step: int
+    direction: np.ndarray
+    value: float
+    sigma: float
+
+
+class FieldProblem:
+    """The data of a measurement and the equilibrium that ties a material field to them.
+
+    Args:
+        measurement: an opened measurement file.
+        settings: configuration of the stage.
+    """
+
+    def __init__(self, measurement, settings: Constrained):
+        self.mesh, self.loading = mesh_of(measurement), Loading.of(measurement)
+        repeats = measurement["u_measured"].values
+        self.u = repeats.mean(axis=0)
+        noise = float(measurement.attrs["displacement_noise"]) / np.sqrt(len(repeats))
+        self.sigma = max(noise, RELATIVE_FLOOR * np.abs(self.u).max())
+        stretch = float(measurement["stretch"].values.max())
+        self.basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
+        cells = len(self.mesh.cells)
+        self.solver = EquilibriumSolver(
+            self.mesh,
+            lambda F, p: self.basis.stress(F, p["params"]),
+            {"params": np.tile(self.basis.start, (cells, 1))},
+        )
+        self._hold(measurement)
+        self.homogeneous, self.force_misfit = self._homogeneous()
+        relative = self.force_misfit if self.force_misfit > DESCRIPTION_ERROR else settings.force_noise
+        self._edge_forces(measurement, max(relative, settings.force_noise))
+        self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
+        self._gradients, self._weights = self.solver.shape_gradients
+        dofs = (2 * self.mesh.cells[:, :, None] + np.arange(2)).reshape(cells, 8)
+        count = len(self.basis.names)
+        self._rows = np.repeat(dofs[:, :, None], count, axis=2).ravel()
+        columns = np.arange(cells)[:, None] * count + np.arange(count)
+        self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
+
+    def _hold(self, measurement) -> None:
+        """Prescribed and free degrees of freedom of every step.
+
+        Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
+        displacement holds it all round, and no traction there is assumed to vanish.
+        """
+        held = measurement["edge_constrained"].values > 0
+        if measurement.attrs["outline"] == "cut":
+            held = np.ones_like(held)
+        found = [held_displacement(self.mesh, u, h) for u, h in zip(self.u, held, strict=True)]
+        self.values = [values for _, values in found]
+        self.fixed, self.free = [], []
+        for mask, _ in found:
+            for i in np.flatnonzero(~mask.any(axis=0)):
+                mask[np.argmin(np.abs(self.mesh.nodes - self.mesh.lower).sum(axis=1)), i] = True
+            self.fixed.append(np.flatnonzero(mask.ravel()))
+            self.free.append(np.flatnonzero(~mask.ravel()))
+        self.masks = [mask for mask, _ in found]
+
+    def _homogeneous(self) -> tuple[np.ndarray, float]:
+        """(parameters of one homogeneous material, smallest relative misfit of the mean stresses).
+
+        The first comes from a fit that prefers the plainest material, the second from one that
+        hardly does: what no material of the basis can follow is an error of the description.
+        """
+        loading, area = self.loading, self.mesh.areas / self.mesh.areas.sum()
+        mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.mesh, self.u), area))
+        target = np.stack([loading.P_average[:, i, i] for i in range(2)])
+        known = loading.measured.T
+        stress = jax.jit(self.basis.stress)
+        start = self.basis.start
+        start[0] = np.log(0.3 * loading.scale.max())
+
+        def misfit(params):
+            P = np.asarray(stress(mean_F, jnp.asarray(params)[:, None]))
+            return ((np.stack([P[0, 0], P[1, 1]]) - target) / loading.scale)[known]
+
+        def fit(ridge):
+            return least_squares(lambda p: np.concatenate([100.0 * misfit(p), ridge * (p - start)[1:]]), start).x
+
+        closest = misfit(fit(WEAK_RIDGE))
+        return fit(STRONG_RIDGE), float(np.sqrt(np.mean(closest**2)))
+
+    def _edge_forces(self, measurement, relative: float) -> None:
+        """Measured resultants, one a step and component; their overall balance gives the other edge."""
+        force = measurement["edge_force"].values / float(measurement.attrs["thickness"])
+        constrained = measurement["edge_constrained"].values > 0
+        largest = np.nanmax(np.abs(force), axis=(1, 2))
+        self.forces = []
+        for step in range(len(self.u)):
+            for i, edges in enumerate((("right", "left"), ("top", "bottom"))):
+                for edge in edges:
+                    e = EDGE_NAMES.index(edge)
+                    if constrained[step, e, i] and np.isfinite(force[step, e, i]):
+                        direction = np.zeros(self.u[step].shape)
+                        direction[self.mesh.on_edge(edge), i] = 1.0
+                        sigma = relative * max(abs(force[step, e, i]), 0.1 * largest[step])
+                        self.forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
+                        break
+
+    def _cell_sensitivity(self, u, params, gradient, weight):
+        """d(nodal forces)/d(parameters) of one cell (8, parameter)."""
+
+        def nodal(params):
+            F = jnp.eye(2)[:, :, None] + jnp.einsum("ai,qaJ->iJq", u, gradient)
+            return jnp.einsum("q,qaJ,iJq->ai", weight, gradient, self.basis.stress(F, params[:, None])).ravel()
+
+        return jax.jacfwd(nodal)(params)
+
+    def states(self, params: Float[np.ndarray, "cell parameter"], guesses) -> list[State] | None:
+        """Equilibrium of every load step, or None where Newton's method fails for one."""
+        self.solver.set_parameters({"params": params})
+        found = []
+        for guess, fixed, free in zip(guesses, self.fixed, self.free, strict=True):
+            reached = self.solver.newton(guess, fixed, NEWTON_TOLERANCE)
+            if reached.u is None:
+                return None
+            factor = factorise(reached.tangent[free][:, free])
+            found.append(State(reached.u, reached.force, reached.tangent, free, factor))
+        return found
+
+    def extension(self, params) -> list[np.ndarray]:
+        """First guesses: the held displacements continued into the sheet by linear elasticity."""
+        self.solver.set_parameters({"params": params})
+        _, K = self.solver.tangent(np.zeros_like(self.u[0]))
+        guesses = []
+        for mask, values, free in zip(self.masks, self.values, self.free, strict=True):
+            u = np.where(mask, values, 0.0).ravel()
+            u[free] = -factorise(K[free][:, free]).solve((K @ u)[free])
+            guesses.append(u.reshape(-1, 2))
+        return guesses
+
+    def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
+        """(displacement misfit of the free nodes by step, misfit of forces over their uncertainty)."""
+        u = [(s.u - data).ravel()[s.free] for s, data in zip(states, self.u, strict=True)]
+        f = [(f.direction @ states[f.step].force - f.value) / f.sigma for f in self.forces]
+        return u, np.array(f)
+
+    def linearise(self, params, states: list[State], sigma: float) -> "Linearised":
+        """Derivative of the residuals with respect to the parameters, by implicit differentiation."""
+        shape = (self.u[0].size, params.size)
+        B = []
+        for state in states:
+            cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
+            B.append(scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape))
+        return Linearised(states, B, self.forces, sigma)
+
+
+class Linearised:
+    """The Jacobian of the residuals at one material field, as products with it and its transpose.
+
+    With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The
+    factors of K serve both products, so that each costs one back-substitution a load step.
+    """
+
+    def __init__(self, states, B, forces, sigma):
+        self.states, self.B, self.forces, self.sigma = states, B, forces, sigma
+        self._stiffness = [(states[f.step].tangent @ f.direction)[states[f.step].free] for f in forces]
+
+    def displacement(self, change) -> list[np.ndarray]:
+        """First-order change of the free displacements of every step."""
+        return [-s.factor.solve((B @ change)[s.free]) for s, B in zip(self.states, self.B, strict=True)]
+
+    def forward(self, change):
+        """J change, as (displacement parts, force part)."""
+        du = self.displacement(change)
+        f = [
+            (f.direction @ (self.B[f.step] @ change) + stiffness @ du[f.step]) / f.sigma
+            for f, stiffness in zip(self.forces, self._stiffness, strict=True)
+        ]
+        return [d / self.sigma for d in du], np.array(f)
+
+    def adjoint(self, u_parts, f_part):
+        """J^T residual."""
+        total = 0.0
+        for step, (state, B) in enumerate(zip(self.states, self.B, strict=True)):
+            load = u_parts[step] / self.sigma
+            full = np.zeros(B.shape[0])
+            for f, stiffness, value in zip(self.forces, self._stiffness, f_part, strict=True):
+                if f.step == step:
+                    load = load + stiffness * (value / f.sigma)
+                    full += f.direction * (value / f.sigma)
+            full[state.free] -= state.factor.solve(load)
+            total = total + B.T @ full
+        return total
