@@ -38,6 +38,7 @@ report: $(VENV)/run
 
 bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py
+	$(BIN)/python benchmarks/forward_size.py
 
 $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(VENV)

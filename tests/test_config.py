@@ -1,12 +1,15 @@
 """A wrong configuration is refused with key, value, line and a way out; a right one is expanded."""
 
 import copy
+from pathlib import Path
 
 import pytest
 import yaml
 
 from hypernode.config_loader import ConfigError, check_config, load_config
 from hypernode.config_slices import from_slice, slice_for
+
+ROOT = Path(__file__).resolve().parents[1]
 
 OPTIMISER = {"iterations": 1}
 NETWORK = {"features": 2, "frequency_scale": 1.0, "widths": [2]}
@@ -129,3 +132,10 @@ def test_a_rule_sees_only_its_part_of_the_configuration():
 
 def test_shipped_configurations_are_valid():
     assert load_config("config/config.yaml").cases and load_config("config/smoke.yaml").cases
+
+
+def test_a_method_means_the_same_in_every_configuration_of_the_paper_and_beyond():
+    main, grid = (load_config(ROOT / "config" / f"{name}.yaml") for name in ("config", "robustness"))
+    shared = main.methods.keys() & grid.methods.keys()
+    assert shared == grid.methods.keys()
+    assert all(main.methods[name] == grid.methods[name] for name in shared)

@@ -1,4 +1,4 @@
-"""Command line: ``python -m hypernode audit verify | explain | diff``, and ``idle`` before a resume."""
+"""Command line: ``python -m hypernode audit verify | explain | diff``, ``schema``, and ``idle`` before a resume."""
 
 import argparse
 import json
@@ -40,6 +40,13 @@ def _diff(arguments) -> int:
     return 1 if entries else 0
 
 
+def _schema(arguments) -> int:
+    from hypernode.storage.schema import page
+
+    print(page(), end="")
+    return 0
+
+
 def _idle(arguments) -> int:
     """Whether no workflow is running in this folder, so that its lock may be taken away."""
     here, running = Path.cwd().resolve(), []
@@ -75,6 +82,8 @@ def parser() -> argparse.ArgumentParser:
     diff.set_defaults(run=_diff)
     idle = commands.add_parser("idle", help="exit code 0 where no workflow runs in this folder")
     idle.set_defaults(run=_idle)
+    schema = commands.add_parser("schema", help="what result files hold, as a Markdown page")
+    schema.set_defaults(run=_schema)
     for action in (verify, explain, diff):
         action.add_argument("--json", action="store_true", help="for machines")
     return top

@@ -228,7 +228,7 @@ class Constrained(Section):
     jump_weight: Positive = 40.0
     jump_scale: Positive = 0.05
     force_noise: Positive = 5e-4
-    tolerance: Positive = 5e-3
+    tolerance: Positive = 5e-4
 
 
 class Method(Section):
@@ -262,7 +262,8 @@ class Specimen(Section):
     """A real test: where its files are and how to read them.
 
     Lengths in mm, times in s, forces in N. Either ``frames`` (numbers) or ``stretches`` (target
-    mean stretches along the tensile axis) selects the load steps.
+    mean stretches along the tensile axis) selects the load steps. ``correlation_window`` is the side of the
+    window over which the cameras' software averages the displacement, 0 where it is not known.
     """
 
     folder: str
@@ -280,6 +281,7 @@ class Specimen(Section):
     frames: list[Count] | None = None
     stretches: list[Annotated[float, Field(gt=1)]] | None = None
     noise_pixels: Positive = 0.3
+    correlation_window: NonNegative = 0.0
     shape_image: str | None = None
     shape_flipped: bool = False
     source_title: str = ""

@@ -101,3 +101,52 @@ def test_a_full_disk_stops_with_one_line_and_the_run_goes_on_once_there_is_space
         shutil.copytree(disk, tmp_path / "kept")
     finally:
         subprocess.run(["umount", str(disk)], check=True)
+
+
+STAGES = (
+    "true_material",
+    "forward",
+    "measurement",
+    "tiny_constrained/constrained",
+    "tiny/gradient",
+    "tiny/interpolant",
+    "tiny/homogenised",
+    "tiny/initialised",
+    "tiny/pretrained",
+    "tiny/material",
+    "tiny/evaluation",
+)
+
+
+def test_a_disk_that_is_full_at_a_stage_gives_one_line_there_and_the_stage_runs_afterwards(tmp_path):
+    folder = prepared(tmp_path / "full")
+    disk = folder / "results"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64m", "none", str(disk)], capture_output=True).returncode:
+        pytest.skip("mounting a small file system is not allowed here")
+    try:
+        for stage in STAGES:
+            target = f"results/disc/{stage}.nc"
+            inputs = STAGES[: STAGES.index(stage)]
+            # Folders for logs exist, as on a disk that fills up during a run.
+            done = subprocess.run(command(folder, *(f"results/disc/{s}.nc" for s in inputs)), capture_output=True)
+            assert done.returncode == 0
+            with open(disk / "filler", "wb") as filler:
+                while True:
+                    try:
+                        filler.write(bytes(4096))
+                        filler.flush()
+                    except OSError:
+                        break
+            stopped = subprocess.run(command(folder, target), capture_output=True, text=True)
+            assert stopped.returncode != 0, stage
+            said = stopped.stderr + stopped.stdout
+            assert "cannot be written" in said or "No space left" in said, (stage, said[-2000:])
+            assert not (folder / target).exists() and not [p for p in disk.rglob("*") if ".tmp" in p.name], stage
+            (disk / "filler").unlink()
+            subprocess.run(command(folder, "--unlock"), check=True, capture_output=True)
+            done = subprocess.run(command(folder, target), capture_output=True, text=True)
+            assert done.returncode == 0, (stage, done.stderr[-2000:])
+        assert verify(disk) == []
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)

@@ -15,6 +15,7 @@ COLUMNS = {
     "stress error": ("stress_error", ".4f"),
     "all modes": ("stress_error_all_modes", ".4f"),
     "off interface": ("stress_error_off_interface", ".4f"),
+    "against cell means": ("stress_error_cell_mean", ".4f"),
     "contrast error": ("contrast_error", ".3f"),
     "correlation": ("correlation", ".3f"),
     "Dice": ("dice", ".3f"),

@@ -5,9 +5,10 @@ E = b (I1 - 3) + (1 - b) (M : C - 1),  M = (1 + r)/2 v x v + (1 - r)/2 w x w,
 
 with positive c, c1, c2, k, a dispersion b between 0 and 1, and s a typical I1 - 3. Every summand is
 polyconvex. The parameters are unconstrained numbers, all but the first relative to it, so that where only
-the stiffness jumps, only one of them does: logarithms, a logit, and for the fibres v, at angle a, the
-doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and their alignment r, both
-functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin or turn.
+the stiffness jumps, only one of them does: the logarithm of c, log(1 + c1), log(1 + c2), a logit, and for the
+fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and
+their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
+or turn.
 """
 
 from dataclasses import dataclass
@@ -23,14 +24,23 @@ from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, lose their direction gradually.
 ROUNDING = 0.02
+#: Coefficients below this size approach zero gradually. They vanish at finite parameters, not at minus
+#: infinity: logarithms stop a search that has to take a term away.
+SMALLEST = 0.005
 
 #: Term -> names of its parameters and where an identification starts from.
 PARAMETERS = {
-    "I1_squared": {"log_I1_squared": -2.5},
-    "I2": {"log_I2": -2.5},
+    "I1_squared": {"log1p_I1_squared": 0.08},
+    "I2": {"log1p_I2": 0.08},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
 }
 assert tuple(PARAMETERS) == BASIS_TERMS, "the names that the configuration offers are those of the basis"
+
+
+def _coefficient(parameter):
+    """Positive coefficient whose log(1 + .) is ``parameter``, smoothed near zero."""
+    value = jnp.expm1(parameter)
+    return 0.5 * (value + jnp.sqrt(value**2 + 4.0 * SMALLEST**2))
 
 
 @dataclass(frozen=True)
@@ -67,9 +77,9 @@ class ConvexBasis:
         e1, e2 = I.I1 - 3.0, I.I2 - 3.0
         total = e1
         if "I1_squared" in self.terms:
-            total = total + jnp.exp(p["log_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
+            total = total + _coefficient(p["log1p_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
-            total = total + jnp.exp(p["log_I2"]) * e2
+            total = total + _coefficient(p["log1p_I2"]) * e2
         if "fibre" in self.terms:
             strength, _, _, E = self._fibre(F, e1, p)
             total = total + strength * E**2 / (2.0 * self.invariant_scale)
@@ -81,9 +91,9 @@ class ConvexBasis:
         e1 = invariants(F, 0.0).I1 - 3.0
         dI1, dI2, S = jnp.ones_like(e1), jnp.zeros_like(e1), (0.0, 0.0, 0.0)
         if "I1_squared" in self.terms:
-            dI1 = dI1 + jnp.exp(p["log_I1_squared"]) * e1 / self.invariant_scale
+            dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * e1 / self.invariant_scale
         if "I2" in self.terms:
-            dI2 = dI2 + jnp.exp(p["log_I2"])
+            dI2 = dI2 + _coefficient(p["log1p_I2"])
         if "fibre" in self.terms:
             strength, b, (M11, M22, M12), E = self._fibre(F, e1, p)
             slope = strength * E / self.invariant_scale

@@ -62,6 +62,18 @@ class Mesh:
         pairs = np.stack([owner[order[shared]], owner[order[shared + 1]]], axis=1)
         return pairs, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), ends.mean(axis=1)
 
+    def diagonal_neighbours(self) -> tuple[Int[np.ndarray, "pair 2"], Float[np.ndarray, " pair"]]:
+        """(the two cells, side of a square of their mean area) of every two cells that face each other at a node."""
+        pairs = []
+        for one, other in ((2, 0), (1, 3)):
+            owner = np.full(len(self.nodes), -1)
+            owner[self.cells[:, other]] = np.arange(len(self.cells))
+            facing = owner[self.cells[:, one]]
+            present = np.flatnonzero(facing >= 0)
+            pairs.append(np.stack([present, facing[present]], axis=1))
+        pairs = np.concatenate(pairs)
+        return pairs, np.sqrt(self.areas[pairs].mean(axis=1))
+
     def gradient_operator(self) -> Float[np.ndarray, "cell 4 2"]:
         """dN_a/dX_J at the cell centres: multiply nodal values and sum over a to differentiate."""
         corner = self.nodes[self.cells]

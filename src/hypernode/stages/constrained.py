@@ -15,66 +15,37 @@ import scipy.sparse.linalg
 
 from hypernode.config import Constrained
 from hypernode.errors import ExpectedError
-from hypernode.mechanics.mesh import Mesh
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import factorise
 from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.jumps import Jumps
 from hypernode.storage.netcdf import read, units_of, write
 
-#: Jumps of the parameters below this size are smoothed rather than counted.
-SMALLEST_JUMP = 0.02
-#: What a jump of each parameter counts, against one of the logarithm of the stiffness.
-JUMP_SHARE = {"log_level": 1.0, "logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
-DEFAULT_JUMP_SHARE = 0.5
 #: Weight of the squared distance from the homogeneous fit, small: it decides only what data leave open.
 RIDGE = 0.02
 #: Iterations with total variation before jumps above ``jump_scale`` stop costing more.
 CONVEX_ITERATIONS = 5
 #: Largest change of a parameter in one step.
-LARGEST_STEP = 2.0
+LARGEST_STEP = 1.0
 #: Damping beyond which no descent is left to find.
 LARGEST_DAMPING = 1e6
 #: A displacement misfit this close to its noise counts as explained.
 CLOSE = 1.05
 #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
 LINEAR_ITERATIONS = (60, 100)
+#: Residual at which they end, relative to the gradient: while the displacements are not explained, and
+#: then. The valleys on the way are narrow; a loose step crosses them to and fro.
+LINEAR_TOLERANCE = (0.01, 0.05)
+#: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors
+#: estimate it.
+CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
+#: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
+#: penalty, and so falls short of where the penalty leads.
+OVER_RELAXATION = 1.7
 
 
 class IdentificationError(ExpectedError, RuntimeError):
     """No material field could be found; the message says at which iteration and why."""
-
-
-class Jumps:
-    """How much the parameter field varies from cell to cell, all parameters jointly.
-
-    Total variation first: sum over shared sides of length x |jump|. Later a logarithm of it,
-    ``scale`` log(1 + |jump| / scale), which no longer shrinks true jumps.
-    """
-
-    def __init__(self, mesh: Mesh, names):
-        pairs, length, _ = mesh.neighbours()
-        n = len(pairs)
-        self.difference = scipy.sparse.csr_matrix(
-            (np.repeat([1.0, -1.0], n), (np.tile(np.arange(n), 2), pairs.T.ravel())), (n, len(mesh.cells))
-        )
-        self.length = length / np.sqrt(mesh.areas.mean())
-        self.share = np.array([JUMP_SHARE.get(name, DEFAULT_JUMP_SHARE) for name in names])
-        self.scale = None
-
-    def _size(self, params):
-        return np.sqrt(((self.difference @ (params * self.share)) ** 2).sum(axis=1) + SMALLEST_JUMP**2)
-
-    def value(self, params) -> float:
-        """The penalty."""
-        size = self._size(params)
-        return float(self.length @ (size if self.scale is None else self.scale * np.log1p(size / self.scale)))
-
-    def hessian(self, params) -> scipy.sparse.csc_matrix:
-        """Quadratic form that touches the penalty from above, on the flattened parameters."""
-        size = self._size(params)
-        weight = self.length / size / (1.0 if self.scale is None else 1.0 + size / self.scale)
-        laplacian = self.difference.T @ scipy.sparse.diags(weight) @ self.difference
-        return scipy.sparse.kron(laplacian, scipy.sparse.diags(self.share**2)).tocsc()
 
 
 @dataclasses.dataclass
@@ -99,24 +70,34 @@ class Objective:
         regular += 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2
         return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f) + regular
 
-    def gauss_newton(self, params, states, sigma: float, damping: float):
+    def gauss_newton(self, params, states, sigma: float, damping: float, explained: bool):
         """(linearisation, step) of a damped Gauss-Newton iteration, by preconditioned conjugate gradients."""
-        linear = self.problem.linearise(params, states, sigma)
-        u, f = self.problem.residuals(states)
+        linear, gradient, curvature = self.data_model(params, states, sigma)
         regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
-        gradient = linear.adjoint([r / sigma for r in u], f)
         gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
-        precondition = factorise(regular)
+        precondition = factorise(regular + scipy.sparse.diags(np.tile(CURVATURE_SHARE * curvature, len(params))))
         size = (params.size, params.size)
         operator = scipy.sparse.linalg.LinearOperator(size, lambda x: linear.adjoint(*linear.forward(x)) + regular @ x)
         step, _ = scipy.sparse.linalg.cg(
             operator,
             -gradient,
-            rtol=0.02,
-            maxiter=LINEAR_ITERATIONS[self.jumps.scale is not None],
+            rtol=LINEAR_TOLERANCE[int(explained)],
+            maxiter=LINEAR_ITERATIONS[int(self.jumps.scale is not None)],
             M=scipy.sparse.linalg.LinearOperator(size, precondition.solve),
         )
         return linear, step
+
+    def data_model(self, params, states, sigma: float):
+        """(linearisation, gradient of the misfits (flat), their mean second derivative by parameter).
+
+        The last is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
+        """
+        linear = self.problem.linearise(params, states, sigma)
+        u, f = self.problem.residuals(states)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CURVATURE_PROBES, params.size))
+        estimate = sum(v * linear.adjoint(*linear.forward(v)) for v in signs) / CURVATURE_PROBES
+        curvature = np.maximum(estimate.reshape(params.shape).mean(axis=0), 0.0)
+        return linear, linear.adjoint([r / sigma for r in u], f), curvature
 
 
 def identify(problem: FieldProblem, settings: Constrained, name: str):
@@ -147,8 +128,9 @@ def identify(problem: FieldProblem, settings: Constrained, name: str):
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
         before = objective.value(params, states, sigma)
-        linear, step = objective.gauss_newton(params, states, sigma, damping)
-        found = _line_search(objective, params, states, sigma, linear, step, before)
+        linear, step = objective.gauss_newton(params, states, sigma, damping, history[-1] <= CLOSE)
+        longest = 1.0 if jumps.scale is None else OVER_RELAXATION
+        found = _line_search(objective, params, states, sigma, linear, step, before, longest)
         if found is None:
             if damping > LARGEST_DAMPING:
                 break
@@ -162,15 +144,18 @@ def identify(problem: FieldProblem, settings: Constrained, name: str):
         close = history[-1] <= CLOSE
         if jumps.scale is None and (close or iteration + 1 >= CONVEX_ITERATIONS):
             jumps.scale = settings.jump_scale
-        elif close and (before - after) / before < settings.tolerance:
+        elif close and jumps.isotropic and (before - after) / before < settings.tolerance:
             break
+        jumps.isotropic = jumps.isotropic or bool(close)
     return params, states, np.array(history)
 
 
-def _line_search(objective, params, states, sigma, linear, change, before):
+def _line_search(objective, params, states, sigma, linear, change, before, longest):
     """The longest of a few fractions of ``change`` that lowers the cost, or None."""
+    # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
+    change = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     du = linear.displacement(change)
-    fraction = min(1.0, LARGEST_STEP / max(np.abs(change).max(), 1e-300))
+    fraction = longest
     for _ in range(6):
         trial = params + fraction * change.reshape(params.shape)
         guesses = []

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+import scipy.sparse
 
 from hypernode.config import Config, Image
 from hypernode.material import material_of, nearest_cell
@@ -37,6 +38,8 @@ from hypernode.storage.netcdf import read, units_of, write
 #: Stretch at which the shape is read from the stress.
 SHAPE_STRETCH = 1.1
 CURVE_POINTS = 21
+#: Points along each side of a measured cell at which the truth is averaged.
+SAMPLES = 10
 #: Signal-to-noise ratio [dB] beyond which there is no noise to speak of.
 EXACT = 200.0
 
@@ -204,6 +207,24 @@ def _judge_noise(mesh, measurement, fields, variables, summary):
             summary[f"snr_{label}"] = float(variables[f"snr_{label}"].mean())
 
 
+def _cell_means(truth, true, mesh, F):
+    """True P at common F averaged over each cell of a grid that is not the truth's own, or None."""
+    sheet = mesh_of(truth)
+    if len(sheet.cells) == len(mesh.cells) and np.allclose(sheet.centres, mesh.centres):
+        return None
+    places = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    low, high = mesh.nodes[mesh.cells[:, 0]], mesh.nodes[mesh.cells[:, 2]]
+    share = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
+    sampled = nearest_cell(truth)(low + share * (high - low))
+    average = scipy.sparse.csr_matrix(
+        (np.full(sampled.size, 1.0 / len(share)), (np.tile(np.arange(len(low)), len(share)), sampled.ravel())),
+        (len(low), len(sheet.cells)),
+    )
+    P = stress_at_common_F(true, sheet.centres, F)
+    means = average @ np.moveaxis(P, -3, 0).reshape(len(sheet.cells), -1)
+    return np.moveaxis(means.reshape(len(low), *P.shape[:2], 2, 2), 0, -3)
+
+
 def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
     """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
     X, areas = mesh.centres, mesh.areas
@@ -255,6 +276,9 @@ def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
         "contrast_error": error,
         "correlation": correlation,
     }
+    means = _cell_means(truth, true, mesh, F[seen : seen + 1])
+    if means is not None:
+        summary["stress_error_cell_mean"] = relative_error(P[seen], means[0], areas)
     return true_shape
 
 

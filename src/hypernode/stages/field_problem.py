@@ -22,15 +22,18 @@ from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.mesh import EDGES, Mesh
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
 from hypernode.stages.fields import Loading, deformation_gradient, mesh_of
+from hypernode.stages.observation import window_average
 
-#: Displacements are never trusted beyond this share of the largest one.
-RELATIVE_FLOOR = 3e-5
+#: Displacements are never trusted beyond this share of the largest one: what finite elements on the
+#: measured grid make of a field that was computed on that same grid, and of one that was seen through a
+#: correlation window, whose interfaces lie anywhere.
+SAME_GRID_FLOOR, WINDOW_FLOOR = 3e-5, 1e-3
 #: Misfit of the best homogeneous material beyond which the basis cannot describe the forces (a record
 #: with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it.
 DESCRIPTION_ERROR = 0.01
 #: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
 STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
-NEWTON_TOLERANCE = 1e-8
+NEWTON_TOLERANCE = 1e-6
 
 
 def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
@@ -91,7 +94,9 @@ class FieldProblem:
         repeats = measurement["u_measured"].values
         self.u = repeats.mean(axis=0)
         noise = float(measurement.attrs["displacement_noise"]) / np.sqrt(len(repeats))
-        self.sigma = max(noise, RELATIVE_FLOOR * np.abs(self.u).max())
+        window = float(measurement.attrs["correlation_window"])
+        floor = WINDOW_FLOOR if window > 0.0 else SAME_GRID_FLOOR
+        self.sigma = max(noise, floor * np.abs(self.u).max())
         stretch = float(measurement["stretch"].values.max())
         self.basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
         cells = len(self.mesh.cells)
@@ -130,6 +135,8 @@ class FieldProblem:
             self.fixed.append(np.flatnonzero(mask.ravel()))
             self.free.append(np.flatnonzero(~mask.ravel()))
         self.masks = [mask for mask, _ in found]
+        observe = window_average(self.mesh, float(measurement.attrs["correlation_window"]))
+        self.observe = [observe[free] for free in self.free]
 
     def _homogeneous(self) -> tuple[np.ndarray, float]:
         """(parameters of one homogeneous material, smallest relative misfit of the mean stresses).
@@ -205,8 +212,8 @@ class FieldProblem:
         return guesses
 
     def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
-        """(displacement misfit of the free nodes by step, misfit of forces over their uncertainty)."""
-        u = [(s.u - data).ravel()[s.free] for s, data in zip(states, self.u, strict=True)]
+        """(misfit of the seen displacement of the free nodes by step, misfit of forces over their uncertainty)."""
+        u = [W @ s.u.ravel() - data.ravel()[s.free] for W, s, data in zip(self.observe, states, self.u, strict=True)]
         f = [(f.direction @ states[f.step].force - f.value) / f.sigma for f in self.forces]
         return u, np.array(f)
 
@@ -217,7 +224,7 @@ class FieldProblem:
         for state in states:
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
             B.append(scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape))
-        return Linearised(states, B, self.forces, sigma)
+        return Linearised(states, B, self.observe, self.forces, sigma)
 
 
 class Linearised:
@@ -227,8 +234,9 @@ class Linearised:
     factors of K serve both products, so that each costs one back-substitution a load step.
     """
 
-    def __init__(self, states, B, forces, sigma):
+    def __init__(self, states, B, observe, forces, sigma):
         self.states, self.B, self.forces, self.sigma = states, B, forces, sigma
+        self._observe = [W[:, s.free] for W, s in zip(observe, states, strict=True)]
         self._stiffness = [(states[f.step].tangent @ f.direction)[states[f.step].free] for f in forces]
 
     def displacement(self, change) -> list[np.ndarray]:
@@ -242,13 +250,13 @@ class Linearised:
             (f.direction @ (self.B[f.step] @ change) + stiffness @ du[f.step]) / f.sigma
             for f, stiffness in zip(self.forces, self._stiffness, strict=True)
         ]
-        return [d / self.sigma for d in du], np.array(f)
+        return [W @ d / self.sigma for W, d in zip(self._observe, du, strict=True)], np.array(f)
 
     def adjoint(self, u_parts, f_part):
         """J^T residual."""
         total = 0.0
         for step, (state, B) in enumerate(zip(self.states, self.B, strict=True)):
-            load = u_parts[step] / self.sigma
+            load = self._observe[step].T @ u_parts[step] / self.sigma
             full = np.zeros(B.shape[0])
             for f, stiffness, value in zip(self.forces, self._stiffness, f_part, strict=True):
                 if f.step == step:

@@ -136,6 +136,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "outline": "cut",
             "thickness": specimen.thickness,
             "displacement_noise": specimen.noise_pixels * mm,
+            "correlation_window": specimen.correlation_window,
             "frames": numbers,
             "field_corners": field.tolist(),
             "lost_points": int((~valid).sum()),

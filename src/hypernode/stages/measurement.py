@@ -80,6 +80,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             "units": units_of(forward),
             "outline": "edge",
             "displacement_noise": noise.sigma if noise else 0.0,
+            "correlation_window": case.camera.window if case.camera else 0.0,
         },
         parents=[forward_file],
     )

@@ -77,6 +77,7 @@ def write(
         "Conventions": "CF-1.11",
         "title": title,
         "source": "hypernode",
+        "history": f"written by the rule {attributes.get('rule', '(none)')}",
         "references": "arXiv: Fully data-driven inverse hyperelasticity with hyper-network neural ODE fields",
         # Relative to the file, so that a results folder can be moved and read from anywhere.
         "parents": json.dumps(ancestry(path, parents), sort_keys=True),

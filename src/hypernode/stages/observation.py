@@ -1,0 +1,57 @@
+"""What a camera makes of a displacement field: the average over its correlation window, at every node."""
+
+import numpy as np
+import scipy.sparse
+from scipy.interpolate import make_interp_spline
+
+from hypernode.mechanics.mesh import Mesh
+
+
+def line_average(x: np.ndarray, width: float) -> scipy.sparse.csr_matrix:
+    """Average of the piecewise linear interpolant of node values over ``width`` around every node.
+
+    Beyond the ends the interpolant goes on antisymmetrically, so that a linear field stays what it is.
+
+    Args:
+        x: increasing coordinates (node,).
+        width: side of the window, at most the length of the line.
+
+    Returns:
+        Matrix (node, node).
+    """
+    half = min(0.5 * width, 0.5 * (x[-1] - x[0]))
+    hats = make_interp_spline(x, np.eye(len(x)), k=1)
+    integral = hats.antiderivative()
+
+    def up_to(points):
+        """Integral of the continued interpolant from x[0] to each point; u(x0 - s) = 2 u(x0) - u(x0 + s)."""
+        total = integral(np.clip(points, x[0], x[-1]))
+        for end, node in ((x[0], 0), (x[-1], -1)):
+            beyond = np.maximum(x[0] - points, 0.0) if node == 0 else np.maximum(points - x[-1], 0.0)
+            sign = -1.0 if node == 0 else 1.0
+            mirrored = sign * (integral(end) - integral(end - sign * beyond))
+            total -= sign * mirrored
+            total[:, node] += sign * 2.0 * beyond
+        return total
+
+    average = (up_to(x + half) - up_to(x - half)) / (2.0 * half)
+    average[np.abs(average) < 1e-12] = 0.0
+    return scipy.sparse.csr_matrix(average)
+
+
+def window_average(mesh: Mesh, width: float) -> scipy.sparse.csr_matrix:
+    """Matrix that takes nodal displacements, flattened (node, i), to what is seen through the window.
+
+    Where the window holds a grid point that was lost, or a hole, the node is taken as it is.
+    """
+    if width == 0.0:
+        return scipy.sparse.identity(mesh.nodes.size, format="csr")
+    x, y = (np.unique(mesh.nodes[:, i]) for i in range(2))
+    whole = scipy.sparse.kron(line_average(y, width), line_average(x, width), format="csr")
+    place = np.searchsorted(y, mesh.nodes[:, 1]) * len(x) + np.searchsorted(x, mesh.nodes[:, 0])
+    present = np.zeros(whole.shape[0])
+    present[place] = 1.0
+    complete = np.asarray((whole @ (1.0 - present)) == 0.0)[place]
+    average = scipy.sparse.diags(complete.astype(float)) @ whole[place][:, place]
+    average += scipy.sparse.diags(1.0 - complete)
+    return scipy.sparse.kron(average, scipy.sparse.identity(2), format="csr")
