@@ -39,6 +39,7 @@ report: $(VENV)/run
 bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py
 	$(BIN)/python benchmarks/forward_size.py
+	$(BIN)/python benchmarks/provenance.py
 
 $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(VENV)

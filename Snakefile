@@ -16,6 +16,7 @@ from hypernode.workflow import (
     image_files,
     method_settings,
     present_cases,
+    reference_inputs,
     specimen_files,
     table_inputs,
     table_settings,

@@ -41,6 +41,8 @@ MORE_BROKEN = [
     (("cases", "a", "spacing"), [1.0, -1.0]),
     (("cases", "a", "layers"), [{"geometry": "disc", "material": "stone"}]),
     (("cases", "a", "camera"), {"cells": [5, 5], "window": -1.0}),
+    (("cases", "a", "references"), {"matrix": "b"}),
+    (("cases", "a", "references"), {"fibre": "a"}),
     (("grid",), [{"name": "x", "geometry": "disc", "matrix": ["soft", "stiff"], "loads": ["pull"], "methods": ["m"]}]),
     (("grid",), [{"name": "{shape}", "geometry": "disc", "matrix": "soft", "loads": ["pull"], "methods": ["m"]}]),
     (("figures",), {"f": {"kind": "pie", "case": "a", "method": "m"}}),

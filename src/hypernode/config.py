@@ -317,7 +317,8 @@ class Case(Section):
     ``hole`` names a geometry where there is no material; ``layers`` are phases drawn over the first
     two; ``spacing`` is the ratio of the last to the first cell's side along x and y; ``camera`` measures
     on a grid that is not the finite-element mesh. ``unseen_loads`` are computed with the identified
-    field and compared with the truth.
+    field and compared with the truth. ``references`` of a specimen: phase -> case of a sheet that consists of
+    it, whose forces are compared with those of the identified phase.
     """
 
     geometry: str | None = None
@@ -333,6 +334,7 @@ class Case(Section):
     spacing: tuple[Positive, Positive] = (1.0, 1.0)
     camera: Camera | None = None
     unseen_loads: list[str] = []
+    references: dict[Literal["matrix", "inclusion"], str] = {}
     methods: list[str] = []
     judged_stretches: list[Positive] | None = None
 
@@ -344,6 +346,8 @@ class Case(Section):
             if given or self.inclusion or self.noise or self.layers or self.hole or self.camera or self.unseen_loads:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
         else:
+            if self.references:
+                raise ValueError("references are for specimens: a synthetic case is compared with its truth")
             missing = [key for key, value in synthetic.items() if not value]
             if missing:
                 raise ValueError(f"a synthetic case also needs {', '.join(missing)} (or name a specimen)")
@@ -376,7 +380,7 @@ class Grid(Section):
 class RunFigure(Section):
     """A figure of one run: ``kind`` names its layout, ``step`` the load step drawn."""
 
-    kind: Literal["identification", "anisotropy", "overview"]
+    kind: Literal["identification", "anisotropy", "overview", "references"]
     case: str
     method: str
     step: int = -1
@@ -407,7 +411,7 @@ Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
 class RunTable(Section):
     """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups."""
 
-    kind: Literal["runs", "timing", "validation"] = "runs"
+    kind: Literal["runs", "timing", "validation", "references"] = "runs"
     runs: list[str] = ["*"]
     columns: list[str] = []
     groups: dict[str, str] = {}

@@ -41,6 +41,7 @@ def _expand(grid: Grid) -> dict[str, Case]:
 
 def _references(config: Config):
     """(path, name, section, names in it) for every name that one part of the config uses of another."""
+    specimen_cases = [name for name, case in config.cases.items() if case.specimen]
     for name, case in config.cases.items():
         at = f"cases.{name}"
         for key, section in (
@@ -60,6 +61,8 @@ def _references(config: Config):
             yield f"{at}.loads.{index}", value, "loads", config.loads
         for index, value in enumerate(case.unseen_loads):
             yield f"{at}.unseen_loads.{index}", value, "loads", config.loads
+        for phase, value in case.references.items():
+            yield f"{at}.references.{phase}", value, "specimens that are cases", specimen_cases
         for index, value in enumerate(case.methods):
             yield f"{at}.methods.{index}", value, "methods", config.methods
     for name, figure in config.figures.items():

@@ -72,6 +72,16 @@ def truth_input(config: Config, name: str) -> dict[str, str]:
     return {} if config.cases[name].specimen else {"truth": f"results/{name}/true_material.nc"}
 
 
+def reference_inputs(config: Config, name: str) -> dict[str, str]:
+    """Measurements of the sheets that consist of one phase of a specimen, by phase."""
+    return {phase: f"results/{case}/measurement.nc" for phase, case in config.cases[name].references.items()}
+
+
+def _has_references(config: Config, case: str, present) -> bool:
+    needed = config.cases[case].references.values()
+    return bool(needed) and all(name in present for name in needed)
+
+
 def shown_runs(figure: Figure) -> list:
     """The runs that a figure shows, each with a ``case`` and a ``method``."""
     return figure.runs if figure.kind == "comparison" else [figure]
@@ -80,7 +90,10 @@ def shown_runs(figure: Figure) -> list:
 def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
     """Figures all of whose cases run."""
     return {
-        name: figure for name, figure in config.figures.items() if all(run.case in cases for run in shown_runs(figure))
+        name: figure
+        for name, figure in config.figures.items()
+        if all(run.case in cases for run in shown_runs(figure))
+        and (figure.kind != "references" or _has_references(config, figure.case, cases))
     }
 
 
@@ -94,6 +107,8 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
                 files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
         return files
     folder = f"results/{figure.case}/{figure.method}"
+    if figure.kind == "references":
+        return {"references": f"{folder}/references.nc"}
     files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
     if figure.kind == "anisotropy":
         files["material"] = f"{folder}/material.nc"
@@ -111,6 +126,9 @@ def table_inputs(config: Config, name: str, runs: list[tuple[str, str]]) -> list
     stage = "evaluation"
     if table.kind == "validation":
         stage, chosen = "validation", [run for run in chosen if config.cases[run[0]].unseen_loads]
+    if table.kind == "references":
+        present = {case for case, _ in runs}
+        stage, chosen = "references", [run for run in chosen if _has_references(config, run[0], present)]
     return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen]
 
 

@@ -37,3 +37,21 @@ rule validation:
         settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("unseen_loads",)),
     script:
         "../scripts/validation.py"
+
+
+rule references:
+    input:
+        unpack(lambda w: reference_inputs(CONFIG, w.case)),
+        evaluation="results/{case}/{method}/evaluation.nc",
+        material="results/{case}/{method}/material.nc",
+    output:
+        ensure("results/{case}/{method}/references.nc", non_empty=True),
+    log:
+        "results/logs/{case}/{method}/references.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/references.jsonl"
+    params:
+        code=CODE["references"],
+        settings=lambda w: CONFIG.cases[w.case].references,
+    script:
+        "../scripts/references.py"

@@ -4,13 +4,14 @@ from hypernode.runtime import job
 
 with job(snakemake) as attributes:
     settings = snakemake.params.settings
-    from hypernode.figures import anisotropy, comparison, identification, overview
+    from hypernode.figures import anisotropy, comparison, identification, overview, references
 
     layouts = {
         "anisotropy": anisotropy,
         "comparison": comparison,
         "identification": identification,
         "overview": overview,
+        "references": references,
     }
     layouts[settings["kind"]].draw(
         dict(snakemake.input),

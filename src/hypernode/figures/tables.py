@@ -38,6 +38,8 @@ COLUMNS = {
     "parameters": ("parameters", "d"),
     "unseen loads, u": ("unseen_displacement_error", ".4f"),
     "unseen loads, forces": ("unseen_force_error", ".4f"),
+    "sheet of the matrix, NRMSE": ("reference_nrmse_matrix", ".4f"),
+    "sheet of the inclusion, NRMSE": ("reference_nrmse_inclusion", ".4f"),
 }
 
 
@@ -135,13 +137,18 @@ def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], 
 
     Args:
         evaluations: evaluation files of the runs in it.
-        settings: ``kind`` (runs, validation, timing or settings), and ``columns`` and ``groups``, or ``entries``.
+        settings: ``kind`` (runs, validation, references, timing or settings), with ``columns`` and
+            ``groups``, or ``entries``.
         files: ``csv``, ``markdown`` and ``latex`` paths.
         provenance: what the job says of itself.
     """
-    if settings["kind"] in ("runs", "validation"):
-        unseen = [name for name in COLUMNS if name.startswith("unseen")]
-        default = unseen if settings["kind"] == "validation" else [name for name in COLUMNS if name not in unseen]
+    if settings["kind"] in ("runs", "validation", "references"):
+        own = {
+            kind: [name for name, (key, _) in COLUMNS.items() if key.startswith(prefix)]
+            for kind, prefix in (("validation", "unseen_"), ("references", "reference_"))
+        }
+        later = [name for names in own.values() for name in names]
+        default = own.get(settings["kind"], [name for name in COLUMNS if name not in later])
         table = run_rows(evaluations, settings["columns"] or default, settings["groups"])
     elif settings["kind"] == "timing":
         table = timing_rows(evaluations)

@@ -1,0 +1,45 @@
+"""Homogeneous sheets with the identified phases against their own tests (paper: experimental_example)."""
+
+import json
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from hypernode.figures.style import INCLUSION, MATRIX, RC, save, unit_label
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.storage.netcdf import read, units_of
+
+
+def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
+    """Force against mean stretch: measured on each sheet, and computed with the identified phase.
+
+    Args:
+        inputs: ``references``: the file of the stage.
+        files: format -> path.
+        settings: ``case`` and ``method``.
+        provenance: what the job says of itself.
+    """
+    data = read(inputs["references"])
+    tests, summary = (json.loads(data.attrs[key]) for key in ("tests", "summary"))
+    axis = 0 if data.attrs["load"].endswith("x") else 1
+    edge = EDGE_NAMES.index(("right", "top")[axis])
+    units = units_of(data)
+    with plt.rc_context(RC):
+        figure, axes = plt.subplots(figsize=(3.4, 2.6), layout="constrained")
+        for index, label in enumerate(tests):
+            phase = label.split(":")[0]
+            colour = {"matrix": MATRIX, "inclusion": INCLUSION}[phase]
+            steps = data["test"].values == index
+            stretch = np.concatenate([[1.0], data["stretch"].values[steps]])
+            measured, found = (
+                np.concatenate([[0.0], data[key].values[steps, edge, axis]])
+                for key in ("edge_force", "edge_force_identified")
+            )
+            error = 100 * summary[f"reference_nrmse_{phase}"]
+            axes.plot(stretch, measured, "o", color=colour, mfc="none", label=f"{label}, measured")
+            axes.plot(stretch, found, "-", color=colour, label=f"identified {phase} (error {error:.1f} %)")
+        axes.set_xlabel("mean stretch [-]")
+        axes.set_ylabel("force" + unit_label(units["force"]))
+        axes.set_ylim(bottom=0.0)
+        axes.legend(frameon=False)
+        save(figure, files, provenance, inputs.values())

@@ -1,0 +1,99 @@
+"""Stage 11: the identified phases in sheets of one phase each, against those sheets' own tests."""
+
+import json
+from collections.abc import Mapping
+
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.material import node_stress, parameter_field
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.progress import Progress
+from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
+from hypernode.stages.field_problem import held_displacement
+from hypernode.stages.fields import mesh_of
+from hypernode.storage.netcdf import read, units_of, write
+
+#: Phases in the order of an evaluation's ``curve_location``.
+PHASES = ("matrix", "inclusion")
+
+
+def pulled_sheet(measurement, node, node_params, progress: Progress):
+    """Resultants (step, edge, i) of a sheet of one material whose outline moves as it was measured.
+
+    Args:
+        measurement: measurement file of the sheet.
+        node, node_params: the material and its weights at one point.
+
+    Raises:
+        ConvergenceError: a step has no equilibrium.
+    """
+    mesh = mesh_of(measurement)
+    held = np.ones((len(EDGE_NAMES), 2))
+    solver = EquilibriumSolver(
+        mesh,
+        lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
+        {"node": jnp.tile(node_params, (len(mesh.cells), 1))},
+    )
+    forces = []
+    for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
+        mask, values = held_displacement(mesh, u, held)
+        reached = solver.newton(np.where(mask, values, u), np.flatnonzero(mask.ravel()), 1e-8)
+        if reached.u is None:
+            raise ConvergenceError(
+                f"step {step}: no equilibrium of the sheet with the identified material (relative residual "
+                f"{reached.history[-1]:.1e}); its stretch may be beyond what the identified test has seen"
+            )
+        force = reached.force.reshape(-1, 2)
+        forces.append([force[mesh.on_edge(edge)].sum(axis=0) for edge in EDGE_NAMES])
+        progress.advance(residual=reached.history[-1])
+    return np.array(forces) * float(measurement.attrs["thickness"])
+
+
+def run(name: str, references: Mapping[str, str], files: Mapping[str, str], output: str, attributes: dict) -> None:
+    """Pull every reference sheet and compare its forces with those measured.
+
+    The material of a phase is the identified one at the point of the phase that is farthest from its
+    outline. The error is the root mean square over the largest measured force of the sheet.
+
+    Args:
+        name: case of the identified specimen.
+        references: phase -> case of the sheet that consists of it.
+        files: ``evaluation``, ``material``, and a measurement file by phase.
+    """
+    evaluation, material = read(files["evaluation"]), read(files["material"])
+    node, params_at = parameter_field(material)
+    measured, found, stretch, test = [], [], [], []
+    phases = [phase for phase in PHASES if phase in references]
+    sheets = [read(files[phase]) for phase in phases]
+    progress = Progress("references", name, sum(sheet.sizes["load_step"] for sheet in sheets))
+    errors = {}
+    for index, (phase, sheet) in enumerate(zip(phases, sheets, strict=True)):
+        point = evaluation["curve_location"].values[PHASES.index(phase)]
+        weights = jnp.asarray(np.asarray(params_at(point[None]).T, float)[0])
+        forces = pulled_sheet(sheet, node, weights, progress)
+        true = sheet["edge_force"].values
+        known = np.isfinite(true)
+        errors[phase] = float(np.sqrt(np.mean((forces - true)[known] ** 2)) / np.abs(true[known]).max())
+        measured.append(true)
+        found.append(forces)
+        stretch.append(sheet["stretch"].values)
+        test.append(np.full(len(forces), index))
+    write(
+        output,
+        {
+            "test": np.concatenate(test),
+            "stretch": np.concatenate(stretch),
+            "edge_force": np.concatenate(measured),
+            "edge_force_identified": np.concatenate(found),
+        },
+        f"homogeneous sheets with the phases of {name}",
+        {
+            **attributes,
+            "units": units_of(material),
+            "tests": [f"{phase}: {references[phase]}" for phase in phases],
+            "load": json.loads(sheets[0].attrs["tests"])[0],
+            "summary": {f"reference_nrmse_{phase}": error for phase, error in errors.items()},
+        },
+        parents=files.values(),
+    )

@@ -1,0 +1,35 @@
+"""Sheets of one identified phase."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from hypernode.material import node_stress
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.mesh import rectilinear
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.progress import Progress
+from hypernode.stages.references import pulled_sheet
+
+
+def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge():
+    node = NodeMaterial(("I1", "I2"), (4,), 2, 0.4, 1.0)
+    params = jnp.asarray(node.initial_params(jax.random.key(3)), float)
+    mesh = rectilinear(np.linspace(0.0, 4.0, 7), np.linspace(0.0, 2.0, 5))
+    F = np.array([[0.96, 0.0], [0.0, 1.12]])
+    u = mesh.nodes @ (F - np.eye(2)).T
+    measurement = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
+        },
+        attrs={"thickness": 0.5},
+    )
+    forces = pulled_sheet(measurement, node, params, Progress("references", "sheet", 1))
+    P = np.asarray(node_stress(node, jnp.asarray(F)[..., None], params[:, None]))[..., 0]
+    width = {"left": (-2.0, 0.0), "right": (2.0, 0.0), "bottom": (0.0, -4.0), "top": (0.0, 4.0)}
+    wanted = np.array([0.5 * P @ width[edge] for edge in EDGE_NAMES])
+    np.testing.assert_allclose(forces[0], wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max())

@@ -1,0 +1,14 @@
+"""Stage 11: homogeneous sheets with the identified phases."""
+
+from hypernode.runtime import job
+
+with job(snakemake, float64=True) as attributes:
+    from hypernode.stages import references
+
+    references.run(
+        snakemake.wildcards.case,
+        snakemake.params.settings,
+        dict(snakemake.input),
+        snakemake.output[0],
+        attributes,
+    )
