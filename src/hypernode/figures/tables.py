@@ -38,6 +38,7 @@ COLUMNS = {
     "parameters": ("parameters", "d"),
     "unseen loads, u": ("unseen_displacement_error", ".4f"),
     "unseen loads, forces": ("unseen_force_error", ".4f"),
+    "unseen loads without equilibrium": ("unseen_without_equilibrium", "d"),
     "sheet of the matrix, NRMSE": ("reference_nrmse_matrix", ".4f"),
     "sheet of the inclusion, NRMSE": ("reference_nrmse_inclusion", ".4f"),
 }

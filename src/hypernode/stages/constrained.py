@@ -153,11 +153,15 @@ def identify(problem: FieldProblem, settings: Constrained, name: str):
 def _line_search(objective, params, states, sigma, linear, change, before, longest):
     """The longest of a few fractions of ``change`` that lowers the cost, or None."""
     # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
-    change = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-    du = linear.displacement(change)
-    fraction = longest
-    for _ in range(6):
-        trial = params + fraction * change.reshape(params.shape)
+    # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
+    clipped = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
+    scaled = change * min(1.0, LARGEST_STEP / max(np.abs(change).max(), 1e-300))
+    tried = [(clipped, longest), (clipped, 0.4 * longest), *((scaled, 0.4**k) for k in range(5))]
+    du_of = None
+    for direction, fraction in tried:
+        if du_of is not direction:
+            du, du_of = linear.displacement(direction), direction
+        trial = params + fraction * direction.reshape(params.shape)
         guesses = []
         for state, d in zip(states, du, strict=True):
             guess = state.u.ravel().copy()
@@ -168,7 +172,6 @@ def _line_search(objective, params, states, sigma, linear, change, before, longe
             after = objective.value(trial, reached, sigma)
             if after < before:
                 return trial, reached, after, fraction
-        fraction *= 0.4
     return None
 
 

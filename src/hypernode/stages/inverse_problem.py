@@ -18,6 +18,9 @@ from hypernode.probes import mode_gradients
 from hypernode.stages.fields import Loading, field_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
+#: Sizes of the homogeneous modes that pre-training learns, as shares of the largest stretch of the test.
+MODE_SIZES = np.array([0.08, 0.5, 1.0])
+
 
 @dataclasses.dataclass
 class Target:
@@ -113,8 +116,9 @@ class InverseProblem:
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.
 
         The constrained field also says what cells would do under deformations that they have not
-        seen: homogeneous modes of the size of the test, all and half of it, keep the networks from
-        inventing an answer there.
+        seen: homogeneous modes of the size of the test and of shares of it keep the networks from
+        inventing an answer there. The smallest one fixes the stiffness of the undeformed sheet, where
+        coarse steps of a neural ODE may leave a spike that stops Newton's method.
         """
         scale = self.loading.scale[:, None]
         if "constrained" not in self.files:
@@ -122,7 +126,7 @@ class InverseProblem:
             P = np.broadcast_to(P, self.F.shape)
             return Target(self.F, jnp.asarray(P, jnp.float32), jnp.asarray(self.loading.target_weight), self.scale)
         basis, params = basis_field(read(self.files["constrained"]))
-        modes = mode_gradients(1.0 + (self.stretch - 1.0) * np.array([0.5, 1.0])).reshape(-1, 2, 2)
+        modes = mode_gradients(1.0 + (self.stretch - 1.0) * MODE_SIZES).reshape(-1, 2, 2)
         modes = jnp.asarray(np.moveaxis(modes, 0, -1)[..., None], jnp.float32)
         cells = self.F.shape[-1]
         F = jnp.concatenate([self.F, jnp.broadcast_to(modes, (*modes.shape[:3], cells))], axis=2)

@@ -1,23 +1,32 @@
 """Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
 
+import sys
+
 import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Config
 from hypernode.material import node_stress, parameter_field
+from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.loads import make_load
 from hypernode.progress import Progress
-from hypernode.stages.equilibrium_solver import EquilibriumSolver
+from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
 from hypernode.stages.fields import mesh_of
 from hypernode.stages.forward import resultants, true_sheet
 from hypernode.storage.netcdf import read, units_of, write
 
 
 def _solve(solver, loads, progress):
-    """(u[step, node, i], edge forces[step, edge, i]) of every load."""
+    """(u[step, node, i], edge forces[step, edge, i]) of every load, NaN for a load without equilibrium."""
     u, forces = [], []
     for load in loads:
-        fields, _ = solver.solve(load, lambda step, history: progress.advance(residual=history[-1]))
+        try:
+            fields, _ = solver.solve(load, lambda step, history: progress.advance(residual=history[-1]))
+        except ConvergenceError as error:
+            print(f"no equilibrium: {error}", file=sys.stderr)
+            u += [np.full(solver.mesh.nodes.shape, np.nan)] * len(load.H)
+            forces += [np.full((len(EDGE_NAMES), 2), np.nan)] * len(load.H)
+            continue
         for field in fields:
             u.append(field)
             forces.append(resultants(solver, field, load))
@@ -28,10 +37,8 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     """Solve the unseen loads with the true and the identified material and compare what would be measured.
 
     The identified field is sampled at the cell centres of the true sheet's mesh. Errors are relative L2
-    norms over all steps of a load, of the displacements and of the resultants; the worst load counts.
-
-    Raises:
-        ConvergenceError: Newton's method fails for one of the two.
+    norms over all steps of a load, of the displacements and of the resultants; the worst load counts. Loads
+    for which one of the two materials has no equilibrium are counted, and make the errors NaN.
     """
     truth, file = read(truth_file), read(material_file)
     mesh, case = mesh_of(truth), config.cases[name]
@@ -51,10 +58,11 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     test = np.concatenate([np.full(len(load.H), k) for k, load in enumerate(loads)])
 
     def worst(found, true):
-        return max(
-            float(np.linalg.norm(found[test == k] - true[test == k]) / np.linalg.norm(true[test == k]))
+        errors = [
+            np.linalg.norm(found[test == k] - true[test == k]) / np.linalg.norm(true[test == k])
             for k in range(len(loads))
-        )
+        ]
+        return float(np.max(errors))
 
     write(
         output,
@@ -74,7 +82,11 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
             **attributes,
             "units": units_of(truth),
             "tests": case.unseen_loads,
-            "summary": {"unseen_displacement_error": worst(u, u_true), "unseen_force_error": worst(f, f_true)},
+            "summary": {
+                "unseen_displacement_error": worst(u, u_true),
+                "unseen_force_error": worst(f, f_true),
+                "unseen_without_equilibrium": len({int(k) for k in test[np.isnan(u + u_true).any(axis=(1, 2))]}),
+            },
         },
         parents=[truth_file, material_file],
     )
