@@ -72,9 +72,7 @@ VARIABLES = {
     "F_interpolated": Variable(_TENSOR, "1", "deformation gradient of the interpolant, at the cell centres"),
     "snr": Variable(("load_step",), "1", "signal-to-noise ratio in decibels of F, equation eq:SNR of the paper"),
     "snr_measured": Variable(("load_step",), "1", "signal-to-noise ratio in decibels of F, differentiated measurement"),
-    "snr_smoothed": Variable(
-        ("load_step",), "1", "signal-to-noise ratio in decibels of F after the gradient stage"
-    ),
+    "snr_smoothed": Variable(("load_step",), "1", "signal-to-noise ratio in decibels of F after the gradient stage"),
     "snr_used": Variable(("load_step",), "1", "signal-to-noise ratio in decibels of F as the training sees it"),
     "anisotropy": Variable(("cell",), "1", "identified difference over sum of principal P, equibiaxial"),
     "anisotropy_true": Variable(("cell",), "1", "true difference over sum of principal P, equibiaxial"),
