@@ -1,5 +1,6 @@
 """Accidents: kills at random moments and a full disk end in a clear state that a resume completes."""
 
+import contextlib
 import os
 import random
 import shutil
@@ -118,6 +119,15 @@ STAGES = (
 )
 
 
+def fill(disk):
+    """Leave no byte on a file system."""
+    with open(disk / "filler", "wb", buffering=0) as filler:
+        for size in (2**20, 2**12, 1):
+            with contextlib.suppress(OSError):
+                while filler.write(bytes(size)):
+                    pass
+
+
 def test_a_disk_that_is_full_at_a_stage_gives_one_line_there_and_the_stage_runs_afterwards(tmp_path):
     folder = prepared(tmp_path / "full")
     disk = folder / "results"
@@ -127,17 +137,10 @@ def test_a_disk_that_is_full_at_a_stage_gives_one_line_there_and_the_stage_runs_
     try:
         for stage in STAGES:
             target = f"results/disc/{stage}.nc"
-            inputs = STAGES[: STAGES.index(stage)]
-            # Folders for logs exist, as on a disk that fills up during a run.
-            done = subprocess.run(command(folder, *(f"results/disc/{s}.nc" for s in inputs)), capture_output=True)
-            assert done.returncode == 0
-            with open(disk / "filler", "wb") as filler:
-                while True:
-                    try:
-                        filler.write(bytes(4096))
-                        filler.flush()
-                    except OSError:
-                        break
+            earlier = [f"results/disc/{s}.nc" for s in STAGES[: STAGES.index(stage)]]
+            if earlier:
+                assert subprocess.run(command(folder, *earlier), capture_output=True).returncode == 0
+            fill(disk)
             stopped = subprocess.run(command(folder, target), capture_output=True, text=True)
             assert stopped.returncode != 0, stage
             said = stopped.stderr + stopped.stdout
