@@ -29,7 +29,7 @@ unit: $(VENV)/dev
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke
 
-# Ten kills in the middle of a run, and a full disk: some minutes.
+# Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
 

@@ -16,6 +16,7 @@ from hypernode.workflow import (
     image_files,
     method_settings,
     present_cases,
+    printed_input,
     reference_inputs,
     specimen_files,
     table_inputs,

@@ -84,6 +84,7 @@ class _UniqueKeyLoader(yaml.SafeLoader):
     """Safe YAML that refuses a key written twice, which YAML would silently let the last one win."""
 
     def construct_mapping(self, node, deep=False):
+        """The mapping of a node, if no key of its own stands in it twice."""
         seen = set()
         for key_node, _ in node.value:
             # Entries merged in by '<<' come from elsewhere in the file and may be overridden.

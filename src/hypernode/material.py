@@ -139,6 +139,7 @@ def _node(file: xr.Dataset) -> Material:
     points, weights = 0.5 * (points + 1.0), 0.5 * weights
 
     def energy(F, node_params):
+        """Energy density, integrated from its derivatives."""
         # Psi is a sum of functions of linear combinations of the invariants, so its integral along
         # the straight line from the undeformed invariants is exact for any path.
         I = invariants(F, material.fibre_angle(node_params))

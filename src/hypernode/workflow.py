@@ -72,6 +72,13 @@ def truth_input(config: Config, name: str) -> dict[str, str]:
     return {} if config.cases[name].specimen else {"truth": f"results/{name}/true_material.nc"}
 
 
+def printed_input(config: Config, name: str) -> dict[str, str]:
+    """The image of a specimen's printed shape as a named input, where it is known."""
+    specimen = config.specimens.get(config.cases[name].specimen)
+    path = specimen.shape_image if specimen else None
+    return {"printed": path} if path and Path(path).is_file() else {}
+
+
 def reference_inputs(config: Config, name: str) -> dict[str, str]:
     """Measurements of the sheets that consist of one phase of a specimen, by phase."""
     return {phase: f"results/{case}/measurement.nc" for phase, case in config.cases[name].references.items()}

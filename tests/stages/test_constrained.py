@@ -15,7 +15,8 @@ from hypernode.mechanics.mesh import rectilinear
 from hypernode.stages import field_problem
 from hypernode.stages.constrained import Jumps, identify
 from hypernode.stages.equilibrium_solver import EquilibriumSolver
-from hypernode.stages.field_problem import FieldProblem, held_displacement
+from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.fields import held_displacement
 from hypernode.stages.forward import resultants
 
 SCALE = 0.4

@@ -3,7 +3,6 @@
 import contextlib
 import os
 import random
-import shutil
 import signal
 import subprocess
 import sys
@@ -59,6 +58,36 @@ def digests(folder):
     return {p.relative_to(folder): sha256(p) for p in sorted((folder / "results").rglob("*.nc"))}
 
 
+@contextlib.contextmanager
+def small_disk(folder, size):
+    """A file system of its own for the results of a run."""
+    disk = folder / "results"
+    disk.mkdir()
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(disk)], capture_output=True
+    ).returncode:
+        pytest.skip("mounting a small file system is not allowed here")
+    try:
+        yield disk
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def assert_stopped_by_full_disk(run, disk):
+    """A failed run that says so and leaves no partial file."""
+    said = run.stderr + run.stdout
+    assert run.returncode != 0
+    assert "cannot be written" in said or "No space left" in said, said[-3000:]
+    assert not [p for p in disk.rglob("*") if ".tmp" in p.name]
+
+
+def resumed(folder, *targets):
+    """Unlock and run again, to the end."""
+    subprocess.run(command(folder, "--unlock"), check=True, capture_output=True)
+    done = subprocess.run(command(folder, "--rerun-incomplete", *targets), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
 def test_ten_kills_leave_no_orphan_and_the_resumed_results_are_the_same_bytes(tmp_path):
     whole = prepared(tmp_path / "whole")
     begun = time.monotonic()
@@ -75,33 +104,18 @@ def test_ten_kills_leave_no_orphan_and_the_resumed_results_are_the_same_bytes(tm
         run.wait()
         time.sleep(1.5)
         assert descendants(killed) == []
-    subprocess.run(command(killed, "--unlock"), check=True, capture_output=True)
-    done = subprocess.run(command(killed, "--rerun-incomplete"), capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-2000:]
+    resumed(killed)
     assert digests(killed) == digests(whole)
     assert verify(killed / "results") == []
 
 
 def test_a_full_disk_stops_with_one_line_and_the_run_goes_on_once_there_is_space(tmp_path):
     folder = prepared(tmp_path / "full")
-    disk = folder / "results"
-    disk.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "none", str(disk)], capture_output=True)
-    if mounted.returncode:
-        pytest.skip("mounting a small file system is not allowed here")
-    try:
-        stopped = subprocess.run(command(folder), capture_output=True, text=True)
-        assert stopped.returncode != 0
-        assert "cannot be written" in stopped.stderr or "No space left" in stopped.stderr, stopped.stderr[-3000:]
-        assert not [p for p in disk.rglob("*") if ".tmp" in p.name]
+    with small_disk(folder, "256k") as disk:
+        assert_stopped_by_full_disk(subprocess.run(command(folder), capture_output=True, text=True), disk)
         subprocess.run(["mount", "-o", "remount,size=64m", str(disk)], check=True)
-        subprocess.run(command(folder, "--unlock"), check=True, capture_output=True)
-        done = subprocess.run(command(folder, "--rerun-incomplete"), capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr[-2000:]
+        resumed(folder)
         assert verify(disk) == []
-        shutil.copytree(disk, tmp_path / "kept")
-    finally:
-        subprocess.run(["umount", str(disk)], check=True)
 
 
 STAGES = (
@@ -130,26 +144,14 @@ def fill(disk):
 
 def test_a_disk_that_is_full_at_a_stage_gives_one_line_there_and_the_stage_runs_afterwards(tmp_path):
     folder = prepared(tmp_path / "full")
-    disk = folder / "results"
-    disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64m", "none", str(disk)], capture_output=True).returncode:
-        pytest.skip("mounting a small file system is not allowed here")
-    try:
-        for stage in STAGES:
+    with small_disk(folder, "64m") as disk:
+        for index, stage in enumerate(STAGES):
             target = f"results/disc/{stage}.nc"
-            earlier = [f"results/disc/{s}.nc" for s in STAGES[: STAGES.index(stage)]]
-            if earlier:
-                assert subprocess.run(command(folder, *earlier), capture_output=True).returncode == 0
+            if index:
+                resumed(folder, *(f"results/disc/{earlier}.nc" for earlier in STAGES[:index]))
             fill(disk)
-            stopped = subprocess.run(command(folder, target), capture_output=True, text=True)
-            assert stopped.returncode != 0, stage
-            said = stopped.stderr + stopped.stdout
-            assert "cannot be written" in said or "No space left" in said, (stage, said[-2000:])
-            assert not (folder / target).exists() and not [p for p in disk.rglob("*") if ".tmp" in p.name], stage
+            assert_stopped_by_full_disk(subprocess.run(command(folder, target), capture_output=True, text=True), disk)
+            assert not (folder / target).exists(), stage
             (disk / "filler").unlink()
-            subprocess.run(command(folder, "--unlock"), check=True, capture_output=True)
-            done = subprocess.run(command(folder, target), capture_output=True, text=True)
-            assert done.returncode == 0, (stage, done.stderr[-2000:])
+            resumed(folder, target)
         assert verify(disk) == []
-    finally:
-        subprocess.run(["umount", str(disk)], check=True)

@@ -1,6 +1,7 @@
 rule evaluation:
     input:
         unpack(lambda w: truth_input(CONFIG, w.case)),
+        unpack(lambda w: printed_input(CONFIG, w.case)),
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
         gradient="results/{case}/{method}/gradient.nc",
         material="results/{case}/{method}/material.nc",

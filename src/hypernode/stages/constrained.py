@@ -156,22 +156,20 @@ def _line_search(objective, params, states, sigma, linear, change, before, longe
     # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
     clipped = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     scaled = change * min(1.0, LARGEST_STEP / max(np.abs(change).max(), 1e-300))
-    tried = [(clipped, longest), (clipped, 0.4 * longest), *((scaled, 0.4**k) for k in range(5))]
-    du_of = None
-    for direction, fraction in tried:
-        if du_of is not direction:
-            du, du_of = linear.displacement(direction), direction
-        trial = params + fraction * direction.reshape(params.shape)
-        guesses = []
-        for state, d in zip(states, du, strict=True):
-            guess = state.u.ravel().copy()
-            guess[state.free] += fraction * d
-            guesses.append(guess.reshape(-1, 2))
-        reached = objective.problem.states(trial, guesses)
-        if reached is not None:
-            after = objective.value(trial, reached, sigma)
-            if after < before:
-                return trial, reached, after, fraction
+    for direction, fractions in ((clipped, longest * 0.4 ** np.arange(2)), (scaled, 0.4 ** np.arange(5))):
+        du = linear.displacement(direction)
+        for fraction in fractions:
+            trial = params + fraction * direction.reshape(params.shape)
+            guesses = []
+            for state, d in zip(states, du, strict=True):
+                guess = state.u.ravel().copy()
+                guess[state.free] += fraction * d
+                guesses.append(guess.reshape(-1, 2))
+            reached = objective.problem.states(trial, guesses)
+            if reached is not None:
+                after = objective.value(trial, reached, sigma)
+                if after < before:
+                    return trial, reached, after, fraction
     return None
 
 

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import scipy.sparse
@@ -33,7 +32,7 @@ from hypernode.stages.shape import (
     most_interior,
     registered_dice,
 )
-from hypernode.storage.netcdf import read, units_of, write
+from hypernode.storage.netcdf import read, sha256, units_of, write
 
 #: Stretch at which the shape is read from the stress.
 SHAPE_STRETCH = 1.1
@@ -98,8 +97,10 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
 
     Args:
         files: paths of ``measurement``, ``gradient``, ``field`` (interpolant or gradient), ``material``,
-            and ``truth`` where it is known.
+            ``truth`` where it is known, and ``printed``, the image of a specimen's shape.
     """
+    files = dict(files)
+    printed = files.pop("printed", None)
     case = config.cases[name]
     # The field is the gradient itself where the method has no interpolant: read each file once.
     opened = {path: read(path) for path in dict.fromkeys(files.values())}
@@ -116,14 +117,6 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     F = mode_gradients(stretches)
     F_seen = np.moveaxis(field_gradient(deformation), (0, 1), (2, 3))
     P_field = np.stack([np.asarray(found.stress(X, f), float) for f in F_seen])
-    forces, residual, gap = _equilibrium(mesh, loading, P_field)
-    thickness = float(measurement.attrs["thickness"])
-    measured_force = measurement["edge_force"].values
-    with np.errstate(invalid="ignore"):
-        relative = np.abs(forces * thickness - measured_force) / np.nanmax(
-            np.abs(measured_force), axis=(1, 2), keepdims=True
-        )
-    force_error = np.nanmax(np.where(np.isfinite(measured_force), relative, np.nan), axis=(1, 2))
     shape_stretch = min(SHAPE_STRETCH, largest)
     field = indicator(found, X, kind, shape_stretch)
     shape = find_inclusion(mesh, field)
@@ -138,21 +131,14 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         "trace_P": field,
         "shape": shape.astype(np.int64),
         "P_field": P_field,
-        "edge_force": measured_force,
-        "edge_force_identified": forces * thickness,
-        "edge_force_error": force_error,
-        "equilibrium_residual": residual,
-        "equilibrium_gap": gap,
         "curve_stretch": curve_stretch,
         "principal_strain": np.asarray(largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))),
     }
     summary = {
         "case": name,
         "parameters": trained_weights(material),
-        "edge_force_error": float(force_error.max()),
-        "equilibrium_residual": float(residual.max()),
-        "equilibrium_gap": float(gap.max()),
     }
+    _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary)
     if "misfit" in deformation:
         variables["misfit"] = deformation["misfit"].values
         summary["interpolant_misfit"] = float(variables["misfit"].max())
@@ -160,8 +146,9 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     if truth is not None:
         true = material_of(truth)
         true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
-    elif case.specimen and Path(config.specimens[case.specimen].shape_image or "/").is_file():
-        true_shape = _judge_printed(config.specimens[case.specimen], measurement, mesh, shape, summary)
+    elif printed:
+        flipped = config.specimens[case.specimen].shape_flipped
+        true_shape = _judge_printed(printed, flipped, measurement, mesh, shape, summary)
     if true_shape is not None:
         variables["shape_true"] = true_shape.astype(np.int64)
         summary |= {
@@ -187,14 +174,37 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         {
             **attributes,
             "units": units_of(measurement),
-            "thickness": thickness,
+            "thickness": float(measurement.attrs["thickness"]),
             "modes": MODES,
             "load": kind,
             "shape_stretch": shape_stretch,
+            "raw_inputs": {printed: sha256(printed)} if printed else {},
             "summary": summary,
         },
         parents=opened,
     )
+
+
+def _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary):
+    """Edge forces, nodal residual and equilibrium gap of the stress at the measured deformation."""
+    forces, residual, gap = _equilibrium(mesh, loading, P_field)
+    forces = forces * float(measurement.attrs["thickness"])
+    measured = measurement["edge_force"].values
+    with np.errstate(invalid="ignore"):
+        relative = np.abs(forces - measured) / np.nanmax(np.abs(measured), axis=(1, 2), keepdims=True)
+    error = np.nanmax(np.where(np.isfinite(measured), relative, np.nan), axis=(1, 2))
+    variables |= {
+        "edge_force": measured,
+        "edge_force_identified": forces,
+        "edge_force_error": error,
+        "equilibrium_residual": residual,
+        "equilibrium_gap": gap,
+    }
+    summary |= {
+        "edge_force_error": float(error.max()),
+        "equilibrium_residual": float(residual.max()),
+        "equilibrium_gap": float(gap.max()),
+    }
 
 
 def _judge_noise(mesh, measurement, fields, variables, summary):
@@ -282,12 +292,12 @@ def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
     return true_shape
 
 
-def _judge_printed(specimen, measurement, mesh, shape, summary):
+def _judge_printed(printed, flipped, measurement, mesh, shape, summary):
     """Compare the found shape with the printed one; returns the printed shape on the cells."""
-    reference = make_shape(Image(shape="image", path=specimen.shape_image))
+    reference = make_shape(Image(shape="image", path=printed))
     lower, upper = np.array(json.loads(measurement.attrs["field_corners"]))
     X = (mesh.centres - lower) / (upper - lower)
-    if specimen.shape_flipped:
+    if flipped:
         X = X * (1.0, -1.0) + (0.0, 1.0)
     summary["dice_registered"], summary["registration"] = registered_dice(shape, reference, X)
     return reference(X) > 0.5

@@ -13,15 +13,13 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 from jaxtyping import Float
-from scipy.interpolate import make_smoothing_spline
 from scipy.optimize import least_squares
 
 from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
-from hypernode.mechanics.mesh import EDGES, Mesh
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
-from hypernode.stages.fields import Loading, deformation_gradient, mesh_of
+from hypernode.stages.fields import Loading, deformation_gradient, held_displacement, mesh_of
 from hypernode.stages.observation import window_average
 
 #: Displacements are never trusted beyond this share of the largest one: what finite elements on the
@@ -34,30 +32,6 @@ DESCRIPTION_ERROR = 0.01
 #: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
 STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
 NEWTON_TOLERANCE = 1e-6
-
-
-def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
-    """Prescribed displacements: the measured ones on every held edge, smoothed along it.
-
-    The smoothing spline chooses its own weight by generalised cross-validation.
-
-    Returns:
-        (mask (node, 2), values (node, 2)).
-    """
-    total, count = np.zeros_like(u), np.zeros_like(u)
-    for index, (edge, (axis, _)) in enumerate(EDGES.items()):
-        on = np.flatnonzero(mesh.on_edge(edge))
-        on = on[np.argsort(mesh.nodes[on, 1 - axis])]
-        along = mesh.nodes[on, 1 - axis]
-        for i in np.flatnonzero(held[index]):
-            values = u[on, i]
-            unit = max(np.abs(values).max(), 1e-300)
-            if len(on) >= 5 and np.ptp(values) > 1e-12 * unit:
-                values = make_smoothing_spline(along, values / unit)(along) * unit
-            total[on, i] += values
-            count[on, i] += 1
-    mask = count > 0
-    return mask, np.where(mask, total / np.maximum(count, 1), 0.0)
 
 
 @dataclasses.dataclass
@@ -106,6 +80,8 @@ class FieldProblem:
             {"params": np.tile(self.basis.start, (cells, 1))},
         )
         self._hold(measurement)
+        observe = window_average(self.mesh, window)
+        self.observe = [observe[free] for free in self.free]
         self.homogeneous, self.force_misfit = self._homogeneous()
         relative = self.force_misfit if self.force_misfit > DESCRIPTION_ERROR else settings.force_noise
         self._edge_forces(measurement, max(relative, settings.force_noise))
@@ -135,8 +111,6 @@ class FieldProblem:
             self.fixed.append(np.flatnonzero(mask.ravel()))
             self.free.append(np.flatnonzero(~mask.ravel()))
         self.masks = [mask for mask, _ in found]
-        observe = window_average(self.mesh, float(measurement.attrs["correlation_window"]))
-        self.observe = [observe[free] for free in self.free]
 
     def _homogeneous(self) -> tuple[np.ndarray, float]:
         """(parameters of one homogeneous material, smallest relative misfit of the mean stresses).

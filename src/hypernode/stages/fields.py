@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
+from scipy.interpolate import make_smoothing_spline
 
-from hypernode.mechanics.mesh import Mesh
+from hypernode.mechanics.mesh import EDGES, Mesh
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
@@ -24,6 +25,30 @@ def field_gradient(dataset: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
     """F[i, J, step, cell] at the cell centres, of an interpolant file or of a gradient file."""
     name = "F_interpolated" if "F_interpolated" in dataset else "F"
     return np.moveaxis(dataset[name].values, (2, 3), (0, 1))
+
+
+def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
+    """Prescribed displacements: the measured ones on every held edge, smoothed along it.
+
+    The smoothing spline chooses its own weight by generalised cross-validation.
+
+    Returns:
+        (mask (node, 2), values (node, 2)).
+    """
+    total, count = np.zeros_like(u), np.zeros_like(u)
+    for index, (edge, (axis, _)) in enumerate(EDGES.items()):
+        on = np.flatnonzero(mesh.on_edge(edge))
+        on = on[np.argsort(mesh.nodes[on, 1 - axis])]
+        along = mesh.nodes[on, 1 - axis]
+        for i in np.flatnonzero(held[index]):
+            values = u[on, i]
+            unit = max(np.abs(values).max(), 1e-300)
+            if len(on) >= 5 and np.ptp(values) > 1e-12 * unit:
+                values = make_smoothing_spline(along, values / unit)(along) * unit
+            total[on, i] += values
+            count[on, i] += 1
+    mask = count > 0
+    return mask, np.where(mask, total / np.maximum(count, 1), 0.0)
 
 
 @dataclass(frozen=True)

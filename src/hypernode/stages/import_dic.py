@@ -54,6 +54,21 @@ def _select(specimen: Specimen, folder: Path) -> list[int]:
     return chosen
 
 
+def _at_frames(specimen: Specimen, force_path: Path, numbers: np.ndarray, first: int):
+    """(time [s] of each frame, force [N] interpolated there)."""
+    record_time, record_force = read_force_record(force_path)
+    time = specimen.first_frame_time + (numbers - first) / specimen.frame_rate
+    late = time > record_time[-1]
+    if late.any():
+        raise DicError(
+            f"{force_path}: ends at {record_time[-1]:g} s, before frame {numbers[late][0]} at "
+            f"{time[late][0]:g} s: check frame_rate and first_frame_time"
+        )
+    if (time < record_time[0]).any():
+        raise DicError(f"{force_path}: begins after the first chosen frame: check first_frame_time")
+    return time, np.interp(time, record_time, record_force)
+
+
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """Import a specimen: mm, N and MPa, y upward, force interpolated at each frame's time.
 
@@ -68,17 +83,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     numbers = _select(specimen, folder)
     series = _trimmed(full := read_series(folder, numbers), specimen.edge_ring)
     force_path = folder / specimen.force_file
-    record_time, record_force = read_force_record(force_path)
-    time = specimen.first_frame_time + (np.array(numbers) - full.frames[0].number) / specimen.frame_rate
-    late = time > record_time[-1]
-    if late.any():
-        raise DicError(
-            f"{force_path}: ends at {record_time[-1]:g} s, before frame {numbers[int(np.argmax(late))]} at "
-            f"{time[late][0]:g} s: check frame_rate and first_frame_time"
-        )
-    if (time < record_time[0]).any():
-        raise DicError(f"{force_path}: begins after the first chosen frame: check first_frame_time")
-    force = np.interp(time, record_time, record_force)
+    time, force = _at_frames(specimen, force_path, np.array(numbers), full.frames[0].number)
     by_number = {f.number: f.displacement for f in series.frames}
     chosen = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     valid = ~chosen.lost

@@ -20,21 +20,11 @@ def line_average(x: np.ndarray, width: float) -> scipy.sparse.csr_matrix:
         Matrix (node, node).
     """
     half = min(0.5 * width, 0.5 * (x[-1] - x[0]))
-    hats = make_interp_spline(x, np.eye(len(x)), k=1)
-    integral = hats.antiderivative()
-
-    def up_to(points):
-        """Integral of the continued interpolant from x[0] to each point; u(x0 - s) = 2 u(x0) - u(x0 + s)."""
-        total = integral(np.clip(points, x[0], x[-1]))
-        for end, node in ((x[0], 0), (x[-1], -1)):
-            beyond = np.maximum(x[0] - points, 0.0) if node == 0 else np.maximum(points - x[-1], 0.0)
-            sign = -1.0 if node == 0 else 1.0
-            mirrored = sign * (integral(end) - integral(end - sign * beyond))
-            total -= sign * mirrored
-            total[:, node] += sign * 2.0 * beyond
-        return total
-
-    average = (up_to(x + half) - up_to(x - half)) / (2.0 * half)
+    unit = np.eye(len(x))
+    points = np.concatenate([2.0 * x[0] - x[:0:-1], x, 2.0 * x[-1] - x[-2::-1]])
+    continued = np.concatenate([2.0 * unit[0] - unit[:0:-1], unit, 2.0 * unit[-1] - unit[-2::-1]])
+    integral = make_interp_spline(points, continued, k=1).antiderivative()
+    average = (integral(x + half) - integral(x - half)) / (2.0 * half)
     average[np.abs(average) < 1e-12] = 0.0
     return scipy.sparse.csr_matrix(average)
 

@@ -50,6 +50,8 @@ def minimise(
 
     @jax.jit
     def chunk(params, state, key):
+        """A block of optimiser steps, compiled once."""
+
         def step(carry, key):
             params, state = carry
             value, gradient = jax.value_and_grad(loss)(params, key)

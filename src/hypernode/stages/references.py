@@ -10,8 +10,7 @@ from hypernode.material import node_stress, parameter_field
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
-from hypernode.stages.field_problem import held_displacement
-from hypernode.stages.fields import mesh_of
+from hypernode.stages.fields import held_displacement, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Phases in the order of an evaluation's ``curve_location``.

@@ -50,6 +50,7 @@ def _edge_terms(problem: InverseProblem) -> Callable:
         groups.append((edge, axis, np.flatnonzero(on)))
 
     def terms(P):
+        """Mean squared error of the mean traction on every edge that is measured or free."""
         total = 0.0
         for edge, axis, cells in groups:
             for i in range(2):
@@ -161,6 +162,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     target = problem.target() if settings.target_weight > 0 else None
 
     def loss(params, key):
+        """Equilibrium and forces, the prior, and the target where it is configured."""
         network = apply(params)
         node_params = network(problem.X).T
         total = physics(network, key) + method.prior_weight * problem.node.departure(node_params, problem.centre)
