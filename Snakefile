@@ -19,6 +19,7 @@ from hypernode.workflow import (
     printed_input,
     reference_inputs,
     specimen_files,
+    stage_file,
     table_inputs,
     table_settings,
     truth_input,
@@ -47,6 +48,8 @@ for line in LEFT_OUT:
 SYNTHETIC = [name for name in CASES if CONFIG.cases[name].specimen is None]
 REAL = [name for name in CASES if CONFIG.cases[name].specimen is not None]
 RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].methods]
+BASELINES = [name for name, method in CONFIG.methods.items() if method.baseline]
+TRAINED = [name for name in CONFIG.methods if name not in BASELINES]
 FIGURES = figure_runs(CONFIG, CASES)
 CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
 

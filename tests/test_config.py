@@ -63,7 +63,10 @@ BROKEN = [
     (("methods", "m", "node", "terms"), ["I4v"], r"terms need I1 or I2"),
     (("methods", "m", "training", "iteration"), 5, r"unknown key; did you mean 'iterations'"),
     (("methods", "m", "seed"), -1, r"methods\.m\.seed = -1"),
-    (("methods", "m", "node"), None, r"methods\.m\.node: this key is required"),
+    (("methods", "m", "node"), None, r"methods\.m: a method also needs node \(or name a baseline\)"),
+    (("methods", "m", "baseline"), "homogeneous", r"a baseline has no networks: leave out node"),
+    (("methods", "m"), {"baseline": "constrained"}, r"the section constrained goes with baseline 'constrained'"),
+    (("methods", "m", "baseline"), "homogenous", r"did you mean 'homogeneous'"),
     (("methods", "m", "constrained"), {"terms": ["I3"]}, r"methods\.m\.constrained\.terms\.0 = 'I3'"),
     (("cases", "a", "hole"), "disk", r"cases\.a\.hole = 'disk': no such entry in geometries"),
     (

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.mechanics.material_names import BASIS_TERMS, PARAMETERS
-from hypernode.networks.terms import TERMS
+from hypernode.networks.terms import POTENTIAL_NAMES, TERMS
 
 LoadKind = Literal["equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear"]
 assert set(get_args(LoadKind)) == set(CONSTRAINED), "the schema lists every load kind"
@@ -180,6 +180,8 @@ class Node(Section):
 
     ``share`` is what a neural ODE's output counts beside the constant part of dPsi/dI: small where the
     prior must keep curves plain; with ``scaled`` it is one more parameter a term and point.
+    ``potential`` replaces the neural ODEs by input-convex networks (icnn) or sums of powers and exponentials (cann,
+    to which ``hidden`` means nothing).
     """
 
     terms: list[Literal[tuple(TERMS)]] = Field(min_length=1)
@@ -187,6 +189,7 @@ class Node(Section):
     rk4_steps: Count = 2
     share: Annotated[float, Field(gt=0, le=1)] = 0.1
     scaled: bool = False
+    potential: Literal[POTENTIAL_NAMES] = "node"
 
     @model_validator(mode="after")
     def _once(self):
@@ -205,11 +208,13 @@ class Training(Optimiser):
     ``equilibrium`` names how the residual is formed and measured: ``strong`` (finite-difference
     divergence on the measured grid) or ``autodiff`` (exact derivative of the interpolated fields),
     both as mean squares at points; or ``equilibrated`` (distance from the nearest equilibrated stress).
+    ``batch_mean`` and ``wrong_index`` are ``autodiff`` with a slip each, kept as ablations: the square of the
+    mean over the points, and the divergence of the transposed stress.
     ``target_weight`` keeps the target of the pre-training (the stress of the constrained field, or the
     uniform stress) beside it, which decides among the stress fields that one noisy test cannot tell apart.
     """
 
-    equilibrium: Literal["strong", "autodiff", "equilibrated"] = "equilibrated"
+    equilibrium: Literal["strong", "autodiff", "equilibrated", "batch_mean", "wrong_index"] = "equilibrated"
     equilibrium_weight: NonNegative = 1.0
     force_weight: NonNegative = 1.0
     target_weight: NonNegative = 0.0
@@ -237,24 +242,43 @@ class Method(Section):
     With a ``constrained`` section, displacements are first replaced by the equilibrium field that
     explains them, and the networks learn its stress; without an ``interpolant`` they see the
     deformation gradient of the grid itself.
+
+    A ``baseline`` ends without networks: ``homogeneous`` (one neo-Hookean modulus from the forces),
+    ``equilibrium_gap`` (a modulus a cell, for which the measured deformation is in equilibrium), or
+    ``constrained`` (the field of that section itself).
     """
 
+    baseline: Literal["homogeneous", "equilibrium_gap", "constrained"] | None = None
     constrained: Constrained | None = None
     gradient: Literal["element", "finite_difference"] = "element"
     interpolant: Interpolant | None = None
-    node: Node
-    hypernetwork: Frequencies
-    homogenised: Optimiser
-    initialisation: Optimiser
-    pretraining: Optimiser
-    training: Training
+    node: Node | None = None
+    hypernetwork: Frequencies | None = None
+    homogenised: Optimiser | None = None
+    initialisation: Optimiser | None = None
+    pretraining: Optimiser | None = None
+    training: Training | None = None
     prior_weight: NonNegative = 1e-3
     seed: int = Field(default=0, ge=0)
 
     @model_validator(mode="after")
-    def _continuous(self):
-        if self.interpolant is None and self.training.equilibrium == "autodiff":
-            raise ValueError("training.equilibrium 'autodiff' needs an interpolant: only that can be differentiated")
+    def _stages(self):
+        stages = ("node", "hypernetwork", "homogenised", "initialisation", "pretraining", "training")
+        if self.baseline:
+            idle = [key for key in (*stages, "interpolant") if getattr(self, key) is not None]
+            if idle:
+                raise ValueError(f"a baseline has no networks: leave out {', '.join(idle)}")
+            if (self.constrained is None) == (self.baseline == "constrained"):
+                raise ValueError("the section constrained goes with baseline 'constrained', and only with that one")
+            return self
+        missing = [key for key in stages if getattr(self, key) is None]
+        if missing:
+            raise ValueError(f"a method also needs {', '.join(missing)} (or name a baseline)")
+        if self.interpolant is None and self.training.equilibrium in ("autodiff", "batch_mean", "wrong_index"):
+            raise ValueError(
+                f"training.equilibrium '{self.training.equilibrium}' needs an interpolant: only that can be "
+                "differentiated"
+            )
         return self
 
 

@@ -49,21 +49,49 @@ def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
     return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(keys)))
 
 
+#: Stage -> everything of a method that decides its result: its own settings and those of the stages before it.
+_SEEN = ("constrained", "gradient")
+_LEARNT = (*_SEEN, "interpolant", "seed")
+_HOMOGENISED = (*_LEARNT, "node", "homogenised")
+_INITIALISED = (*_HOMOGENISED, "hypernetwork", "initialisation")
+DECIDED_BY = {
+    "constrained": ("constrained",),
+    "gradient": _SEEN,
+    "interpolant": _LEARNT,
+    "homogenised": _HOMOGENISED,
+    "initialised": _INITIALISED,
+    "pretrained": (*_INITIALISED, "pretraining", "prior_weight"),
+}
+
+
+def stage_file(config: Config, case: str, method: str, stage: str) -> str:
+    """The result of one stage: that of the case's first method for which it is the same.
+
+    Methods that differ only in later stages share the earlier ones, which are computed once.
+    """
+    own = config.methods[method]
+    sharing = config.cases[case].methods if stage in DECIDED_BY else []
+    for name in sharing:
+        if all(getattr(config.methods[name], key) == getattr(own, key) for key in DECIDED_BY[stage]):
+            return f"results/{case}/{name}/{stage}.nc"
+    return f"results/{case}/{method}/{stage}.nc"
+
+
 def field_inputs(config: Config, case: str, method: str, *keys: str) -> dict[str, str]:
     """Named inputs of a stage that learns from the deformation field.
 
     ``field`` is the interpolant, or the gradient where the method has no interpolant; ``constrained``
     is left out where the method has no constrained field.
     """
-    folder = f"results/{case}/{method}"
     settings = config.methods[method]
-    files = {
-        "measurement": f"results/{case}/measurement.nc",
-        "field": f"{folder}/{'gradient' if settings.interpolant is None else 'interpolant'}.nc",
-        "homogenised": f"{folder}/homogenised.nc",
+    stages = {
+        "field": "gradient" if settings.interpolant is None else "interpolant",
+        "homogenised": "homogenised",
     }
     if settings.constrained is not None:
-        files["constrained"] = f"{folder}/constrained.nc"
+        stages["constrained"] = "constrained"
+    files = {key: stage_file(config, case, method, stage) for key, stage in stages.items()}
+    files["measurement"] = f"results/{case}/measurement.nc"
     return {key: files[key] for key in keys if key in files}
 
 
@@ -108,7 +136,7 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
     """Named inputs of a figure."""
     figure = config.figures[name]
     if figure.kind == "comparison":
-        files = {f"run{k}": f"results/{r.case}/{r.method}/{r.stage}.nc" for k, r in enumerate(figure.runs)}
+        files = {f"run{k}": stage_file(config, r.case, r.method, r.stage) for k, r in enumerate(figure.runs)}
         for index, run in enumerate(figure.runs):
             if not config.cases[run.case].specimen:
                 files[f"truth{index}"] = f"results/{run.case}/true_material.nc"

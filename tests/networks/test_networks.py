@@ -1,5 +1,7 @@
 """Neural ODEs are monotone; their weights, and those of networks, survive a round trip."""
 
+from itertools import product
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,20 +9,69 @@ import pytest
 from flax import nnx
 
 from hypernode.config import Frequencies
-from hypernode.networks.neural_ode import flatten, flow, unflatten, weight_count
+from hypernode.material import node_stress
+from hypernode.networks.neural_ode import LARGEST_SLOPE, flatten, flow, unflatten, weight_count
 from hypernode.networks.node_material import NodeMaterial
+from hypernode.networks.potentials import POTENTIALS
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
 
 
 @pytest.mark.parametrize("hidden", [(4, 4), (2,), (8, 8)])
-def test_flow_is_monotone_and_passes_through_zero_where_steps_resolve_it(hidden):
-    weights = 0.8 * jax.random.normal(jax.random.key(1), (weight_count(hidden), 20))
-    # tanh has slope one at most, so the product of the layers' norms bounds the slope of f.
-    slope = np.prod([np.sqrt(np.sum(np.asarray(m) ** 2, axis=(0, 1))) for m in unflatten(weights, hidden)], axis=0)
-    h = jnp.linspace(-2.0, 2.0, 101)[:, None] * jnp.ones((1, 20))
-    out = np.asarray(flow(h, weights, hidden, int(np.ceil(slope.max()))))
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_the_discrete_flow_is_monotone_for_any_weights_and_passes_through_zero(hidden, steps):
+    sizes = jnp.linspace(0.1, 5.0, 200)
+    weights = sizes * jax.random.normal(jax.random.key(1), (weight_count(hidden), 200))
+    h = jnp.linspace(-3.0, 3.0, 301)[:, None] * jnp.ones((1, 200))
+    out = np.asarray(flow(h, weights, hidden, steps))
     assert np.diff(out, axis=0).min() > 0.0
-    assert np.abs(flow(jnp.zeros((1, 20)), weights, hidden, 2)).max() == 0.0
+    assert np.abs(flow(jnp.zeros((1, 200)), weights, hidden, steps)).max() == 0.0
+
+
+def test_one_step_of_the_largest_slope_is_increasing_whatever_the_slopes_at_its_stages():
+    def derivative(f1, f2, f3, f4):
+        a1 = f1
+        a2 = f2 * (1.0 + 0.5 * a1)
+        a3 = f3 * (1.0 + 0.5 * a2)
+        return 1.0 + (a1 + 2.0 * a2 + 2.0 * a3 + f4 * (1.0 + a3)) / 6.0
+
+    def smallest(s):
+        return min(derivative(*corner) for corner in product((-s, s), repeat=4))
+
+    assert smallest(LARGEST_SLOPE) > 0.0 > smallest(1.6)
+
+
+def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines():
+    rng = np.random.default_rng(4)
+    material = NodeMaterial(("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w"), (4, 4), 1, 0.4, 1.0)
+    stress = jax.jit(lambda F, params: node_stress(material, F[..., None], params[:, None])[..., 0])
+    params = rng.normal(0.0, 2.0, (200, material.size))
+    # The logarithms of the constant parts: stiffness of a common size.
+    params[:, -3:-1] = rng.normal(-1.0, 0.5, (200, 2))
+    work = []
+    for p in params:
+        F = np.eye(2) + rng.normal(0.0, 0.1, (2, 2))
+        line = 0.01 * np.outer(*rng.normal(size=(2, 2)))
+        work.append(np.sum((stress(F + line, p) - stress(F - line, p)) * line) / np.sum(line**2))
+    assert min(work) > -1e-4
+
+
+@pytest.mark.parametrize("name", POTENTIALS)
+def test_every_potential_has_an_increasing_slope_that_vanishes_at_zero(name):
+    potential = POTENTIALS[name]
+    weights = jax.random.normal(jax.random.key(3), (potential.weight_count((4, 4)), 30))
+    h = jnp.linspace(0.0, 4.0, 80)[:, None] * jnp.ones((1, 30))
+    out = np.asarray(potential.slope(h, weights, (4, 4), 16))
+    assert np.diff(out, axis=0).min() > 0.0
+    assert np.isfinite(out).all() and np.abs(out[0]).max() == 0.0
+
+
+@pytest.mark.parametrize("name", POTENTIALS)
+def test_every_potential_makes_a_material_that_is_stress_free_undeformed(name):
+    material = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 4, 0.4, 1.0, potential=name)
+    params = material.initial_params(jax.random.key(0))
+    assert params.shape == (material.size,)
+    stress = node_stress(material, jnp.eye(2)[:, :, None], params[:, None])
+    assert np.abs(stress).max() < 1e-6
 
 
 def test_flow_converges_with_fourth_order():

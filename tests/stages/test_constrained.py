@@ -7,60 +7,19 @@ import xarray as xr
 
 from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import ConvexBasis
-from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.loads import make_load
 from hypernode.mechanics.materials import goh, mooney_rivlin
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.stages import field_problem
 from hypernode.stages.constrained import Jumps, identify
-from hypernode.stages.equilibrium_solver import EquilibriumSolver
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.fields import held_displacement
-from hypernode.stages.forward import resultants
-
-SCALE = 0.4
+from tests.stages.sheets import SCALE, sheet, square
 
 
 def stress_of(energy, F, params, angle=0.0):
     return jax.grad(lambda F: energy(invariants(F, angle), params))(F)
-
-
-def sheet(cells, inclusion, load, noise=0.0, window=0.0):
-    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
-    basis = ConvexBasis(("I1_squared",), SCALE)
-    lines = np.linspace(0.0, 1.0, cells + 1)
-    mesh = rectilinear(lines, lines)
-    params = np.tile(basis.start, (len(mesh.cells), 1))
-    params[inclusion(mesh.centres), 0] += np.log(2.0)
-    solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
-    u, _ = solver.solve(load)
-    force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
-    for step, field in enumerate(u):
-        for edge, i in load.constrained:
-            held[step, EDGE_NAMES.index(edge), i] = 1.0
-        force[step] = np.where(held[step] > 0, resultants(solver, field, load), np.nan)
-    measured = u + np.random.default_rng(5).normal(0.0, noise, u.shape) if noise else u
-    names = ("load_step", "node", "i")
-    data = xr.Dataset(
-        {
-            "X": (("node", "i"), mesh.nodes),
-            "cells": (("cell", "vertex"), mesh.cells),
-            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
-            "u_measured": (("repeat", *names), measured[None]),
-            "test": (("load_step",), np.zeros(len(u), int)),
-            "stretch": (("load_step",), load.stretch),
-            "H": (("load_step", "i", "J"), load.H),
-            "edge_force": (("load_step", "edge", "i"), force),
-            "edge_constrained": (("load_step", "edge", "i"), held),
-        },
-        attrs={"displacement_noise": noise, "correlation_window": window, "thickness": 1.0, "outline": "edge"},
-    )
-    return data, mesh, params
-
-
-def square(X):
-    return (np.abs(X - 0.5) < 0.25).all(axis=1)
 
 
 def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
@@ -138,6 +97,17 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, monkeypatch):
     weights = [rng.normal(size=part.shape) for part in forward_u], rng.normal(size=forward_f.shape)
     one = sum(a @ b for a, b in zip(weights[0], forward_u, strict=True)) + weights[1] @ forward_f
     assert one == pytest.approx(linear.adjoint(*weights) @ change, rel=1e-10)
+
+
+def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():
+    pulled, biaxial = (sheet(8, square, make_load(kind, [1.1, 1.2]))[0] for kind in ("uniaxial_x", "equibiaxial"))
+    both = xr.concat([biaxial, pulled.assign(test=pulled["test"] + 1)], "load_step", data_vars="minimal")
+    both["u_measured"] = both["u_measured"].transpose("repeat", "load_step", "node", "i")
+    settings = Constrained(terms=["I1_squared"])
+    problem = FieldProblem(both, settings)
+    assert problem.force_misfit.shape == (2,) and problem.force_misfit.max() < 0.01
+    assert {f.step for f in problem.forces} == {0, 1, 2, 3}
+    assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
 
 
 def test_a_stiff_square_is_found_again_from_noisy_displacements():

@@ -40,3 +40,5 @@ def test_divergence_contracts_the_second_index_of_a_non_symmetric_stress():
     np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-5)
     assert np.abs(P[0, 1] - P[1, 0]).max() > 1e-2
     assert np.abs(swapped - wanted).max() > 1e-2
+    slip, _ = divergence(SimpleNamespace(node=NODE, length=LENGTH), network, X / LENGTH, gradient(X), dF, True)
+    np.testing.assert_allclose(slip, swapped, rtol=1e-4, atol=1e-5)

@@ -3,7 +3,7 @@ rule evaluation:
         unpack(lambda w: truth_input(CONFIG, w.case)),
         unpack(lambda w: printed_input(CONFIG, w.case)),
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
-        gradient="results/{case}/{method}/gradient.nc",
+        gradient=lambda w: stage_file(CONFIG, w.case, w.method, "gradient"),
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/evaluation.nc", non_empty=True),

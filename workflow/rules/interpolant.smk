@@ -36,7 +36,7 @@ rule gradient:
 
 rule interpolant:
     input:
-        "results/{case}/{method}/gradient.nc",
+        lambda w: stage_file(CONFIG, w.case, w.method, "gradient"),
     output:
         ensure("results/{case}/{method}/interpolant.nc", non_empty=True),
     log:

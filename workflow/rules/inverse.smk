@@ -44,7 +44,7 @@ rule initialisation:
 rule pretraining:
     input:
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
-        previous="results/{case}/{method}/initialised.nc",
+        previous=lambda w: stage_file(CONFIG, w.case, w.method, "initialised"),
     output:
         ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
     log:
@@ -63,13 +63,15 @@ rule pretraining:
 rule training:
     input:
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
-        previous="results/{case}/{method}/pretrained.nc",
+        previous=lambda w: stage_file(CONFIG, w.case, w.method, "pretrained"),
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
     log:
         "results/logs/{case}/{method}/training.log",
     benchmark:
         "results/benchmarks/{case}/{method}/training.jsonl"
+    wildcard_constraints:
+        method="|".join(map(re.escape, TRAINED)) or "none",
     params:
         code=CODE["training"],
         settings=lambda w: method_settings(
@@ -77,3 +79,25 @@ rule training:
         ),
     script:
         "../scripts/training.py"
+
+
+rule baseline:
+    input:
+        unpack(
+            lambda w: field_inputs(
+                CONFIG, w.case, w.method, "measurement", "field", "constrained"
+            )
+        ),
+    output:
+        ensure("results/{case}/{method}/material.nc", non_empty=True),
+    log:
+        "results/logs/{case}/{method}/baseline.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/baseline.jsonl"
+    wildcard_constraints:
+        method="|".join(map(re.escape, BASELINES)) or "none",
+    params:
+        code=CODE["baseline"],
+        settings=lambda w: method_settings(CONFIG, w.method, ("baseline", "seed")),
+    script:
+        "../scripts/baseline.py"

@@ -44,8 +44,8 @@ def stiffness_matrix(mesh: Mesh) -> scipy.sparse.csr_matrix:
     return scipy.sparse.csr_matrix((total.ravel(), (rows, columns)), (n, n))
 
 
-def _test_space(mesh: Mesh, component: int, constrained, measured):
-    """Columns of test functions for one displacement component, and the edge that is tied or None.
+def virtual_fields(mesh: Mesh, component: int, constrained, measured):
+    """Test functions (node, function) for one displacement component, and the edge that is tied or None.
 
     Nodes of a constrained edge move together where the edge's resultant is measured, and not at all
     where it is not: their reactions are unknown. Of several measured edges the one with the larger
@@ -74,7 +74,7 @@ def _test_space(mesh: Mesh, component: int, constrained, measured):
 
 def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
     """(test functions T, their energy matrix, the tied edge) for one displacement component."""
-    T, edge = _test_space(mesh, component, constrained, measured)
+    T, edge = virtual_fields(mesh, component, constrained, measured)
     energy = (T.T @ K @ T).tocsc()
     # A component that no edge holds can translate freely: its residual is balanced by construction,
     # so any stiffness of the translation gives the same gap.

@@ -6,8 +6,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from hypernode.networks.neural_ode import flow, weight_count
+from hypernode.networks.potentials import POTENTIALS, Potential
 from hypernode.networks.terms import INVARIANTS, TERMS
+
+#: Cost of one unit of stress of a further contribution, beside the squares of weights, in the plainness prior.
+AMOUNT_COST = 0.3
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,8 @@ class NodeMaterial:
             prior of small weights means a nearly neo-Hookean material.
         scaled: whether each term's share is a parameter of the point, beginning at ``share``. A term that
             a point does not need then fades, which its weights alone achieve only by growing large.
+        potential: what a term's increasing function is, a name in
+            :data:`~hypernode.networks.potentials.POTENTIALS`; the text above says "neural ODE" for all.
     """
 
     terms: tuple[str, ...]
@@ -39,6 +44,16 @@ class NodeMaterial:
     stress_scale: float
     share: float = 0.1
     scaled: bool = False
+    potential: str = "node"
+
+    @property
+    def _function(self) -> Potential:
+        return POTENTIALS[self.potential]
+
+    @property
+    def weights_per_term(self) -> int:
+        """Number of weights of one term's increasing function."""
+        return self._function.weight_count(self.hidden)
 
     @property
     def mixtures(self) -> tuple[str, ...]:
@@ -58,9 +73,7 @@ class NodeMaterial:
     @property
     def size(self) -> int:
         """Length of the parameter vector at a point: the hyper-network's output width."""
-        return (
-            len(self.terms) * weight_count(self.hidden) + len(self.mixtures) + self._logarithms + int(self.has_fibres)
-        )
+        return len(self.terms) * self.weights_per_term + len(self.mixtures) + self._logarithms + int(self.has_fibres)
 
     @property
     def _logarithms(self) -> int:
@@ -68,7 +81,7 @@ class NodeMaterial:
 
     def split(self, node_params: Float[Array, "size ..."]):
         """(weights[k, term, ...], mixture logits[m, ...], logarithms[c, ...], fibre angle[...])."""
-        k, n, m, c = weight_count(self.hidden), len(self.terms), len(self.mixtures), self._logarithms
+        k, n, m, c = self.weights_per_term, len(self.terms), len(self.mixtures), self._logarithms
         batch = node_params.shape[1:]
         weights = node_params[: k * n].reshape(k, n, *batch)
         mixture = node_params[k * n : k * n + m]
@@ -111,7 +124,7 @@ class NodeMaterial:
             shares.append(dict(zip(names, share, strict=True)))
         # Stacked as [..., term, point] so that all terms run as one array.
         h = jnp.stack(inputs, axis=-2) / self.invariant_scale
-        values = flow(h, weights, self.hidden, self.steps)
+        values = self._function.slope(h, weights, self.hidden, self.steps)
         total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
         own = constants[len(self.constants) :]
         term_share = jnp.exp(own) if self.scaled else jnp.full(len(self.terms), self.share)
@@ -124,7 +137,7 @@ class NodeMaterial:
 
     def initial_params(self, key: Array) -> Float[Array, " size"]:
         """Random parameters of a soft, nearly neo-Hookean start; every term has its own key."""
-        k = weight_count(self.hidden)
+        k = self.weights_per_term
         keys = jax.random.split(key, len(self.terms))
         spread = 0.5 / max(self.hidden) ** 0.5
         weights = jnp.stack([spread * jax.random.normal(each, (k,)) for each in keys], axis=1)
@@ -134,11 +147,14 @@ class NodeMaterial:
         return self.join(weights, jnp.zeros(len(self.mixtures)), constants, jnp.zeros(()))
 
     def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:
-        """Mean over points of the squared distance from ``centre``, constants left out.
+        """Mean over points of how far the material is from the plainest one, a neo-Hookean sheet.
 
-        The constants carry the stiffness contrast; what is penalised is a change of the shape of
-        the stress-stretch curves and of the fibres from point to point.
+        Squares of the neural-ODE weights, which bend the curves, of the mixtures' and the fibre angle's distance
+        from ``centre``, and the amount of every contribution beside the first constant, so that of several terms
+        that explain a test alike the fewest are used. The first constant, which carries the contrast, costs nothing.
         """
-        weights, mixture, _, angle = self.split(node_params - centre[:, None])
+        weights, _, logarithms, _ = self.split(node_params)
+        _, mixture, _, angle = self.split(node_params - centre[:, None])
         total = jnp.sum(weights**2, axis=(0, 1)) + jnp.sum(mixture**2, axis=0)
+        total = total + AMOUNT_COST * jnp.sum(jnp.exp(logarithms[1:]), axis=0)
         return jnp.mean(total + (angle**2 if self.has_fibres else 0.0))

@@ -7,3 +7,5 @@ TERMS = {
     **{name: (name,) for name in INVARIANTS},
     **{f"{a}_{b}": (a, b) for i, a in enumerate(INVARIANTS) for b in list(INVARIANTS)[i + 1 :]},
 }
+#: Increasing functions that a term may be made of: a neural ODE, or what the literature uses in its place.
+POTENTIAL_NAMES = ("node", "icnn", "cann")

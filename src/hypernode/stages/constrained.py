@@ -204,7 +204,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "displacement_sigma": problem.sigma,
             "displacement_misfit": float(history[-1]),
             "force_misfit": float(np.sqrt(np.mean(forces**2))) if len(forces) else 0.0,
-            "homogeneous_force_misfit": problem.force_misfit,
+            "homogeneous_force_misfit": problem.force_misfit.tolist(),
         },
         parents=[measurement_file],
     )

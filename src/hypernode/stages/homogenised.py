@@ -39,6 +39,7 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
         stress_scale=float(loading.scale.max()),
         share=method.node.share,
         scaled=method.node.scaled,
+        potential=method.node.potential,
     )
     start = node.initial_params(jax.random.key(method.seed))
     target = jnp.asarray(loading.P_average, jnp.float32)

@@ -1,6 +1,7 @@
 """Stage 8: the material under which the measured deformation is in equilibrium with the forces."""
 
 from collections.abc import Callable
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -97,7 +98,7 @@ def mesh_gather(mesh, nodes) -> Callable:
     return apply
 
 
-def divergence(problem: InverseProblem, network, X, F, dF):
+def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = False):
     """Div P at points by forward-mode derivatives along X and Y.
 
     (Div P)_i = dP_iX/dX + dP_iY/dY with P not symmetric (equation ``eq:equilibrium``).
@@ -107,6 +108,7 @@ def divergence(problem: InverseProblem, network, X, F, dF):
         X: scaled positions (point, 2).
         F, dF: deformation gradient [i, J, step, point] and its derivatives along the two *unscaled*
             coordinates.
+        transposed: differentiate P^T instead, the slip whose effect is an ablation.
 
     Returns:
         (divergence[i, step, point], P).
@@ -116,11 +118,20 @@ def divergence(problem: InverseProblem, network, X, F, dF):
     dparams = [along(jnp.broadcast_to(unit[k], X.shape)) / problem.length for k in range(2)]
     P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
     dP = [tangent(dF[k], dparams[k]) for k in range(2)]
+    if transposed:
+        dP = [jnp.swapaxes(d, 0, 1) for d in dP]
     return dP[0][:, 0] + dP[1][:, 1], P
 
 
-def autodiff(problem: InverseProblem, settings: Training) -> Callable:
-    """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss."""
+def autodiff(
+    problem: InverseProblem, settings: Training, batch_mean: bool = False, transposed: bool = False
+) -> Callable:
+    """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss.
+
+    Args:
+        batch_mean: square the mean over the points instead, which lets imbalance of one point cancel that of
+            another; with ``transposed`` (see :func:`divergence`) a slip whose effect is an ablation.
+    """
     X = jnp.asarray(problem.mesh.centres, jnp.float32)
     unit = jnp.eye(2)
     interpolated = InterpolatedGradient(read(problem.files["field"]))
@@ -133,8 +144,11 @@ def autodiff(problem: InverseProblem, settings: Training) -> Callable:
 
     def loss(network, key):
         at = jax.random.choice(key, cells, (count,), replace=False)
-        div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at])
-        residual = jnp.mean(jnp.sum((div * problem.length / problem.scale[:, None]) ** 2, axis=0))
+        div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
+        relative = div * problem.length / problem.scale[:, None]
+        if batch_mean:
+            relative = jnp.mean(relative, axis=-1)
+        residual = jnp.mean(jnp.sum(relative**2, axis=0))
         P_border = node_stress(problem.node, problem.F[..., border], network(problem.X[border]).T)
         P = jnp.zeros((*P_border.shape[:-1], cells)).at[..., border].set(P_border)
         return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
@@ -142,7 +156,13 @@ def autodiff(problem: InverseProblem, settings: Training) -> Callable:
     return loss
 
 
-LOSSES = {"equilibrated": equilibrated, "strong": strong, "autodiff": autodiff}
+LOSSES = {
+    "equilibrated": equilibrated,
+    "strong": strong,
+    "autodiff": autodiff,
+    "batch_mean": partial(autodiff, batch_mean=True),
+    "wrong_index": partial(autodiff, transposed=True),
+}
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:

@@ -1,0 +1,136 @@
+"""What every mechanics laboratory knows: identifications without networks, on the same data.
+
+One modulus for the whole sheet; a neo-Hookean modulus in every cell from the equilibrium gap of the measured
+deformation (a virtual-fields method with one hat function a node); or the constrained field as it is.
+"""
+
+import dataclasses
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+
+from hypernode.config import Method
+from hypernode.errors import ExpectedError
+from hypernode.material import basis_field
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
+from hypernode.mechanics.mesh import Mesh
+from hypernode.stages.fields import Loading, field_gradient, mesh_of
+from hypernode.storage.netcdf import read, units_of, write
+
+#: Smoothness weights that cross-validation chooses from, over the mean diagonal of the data's normal matrix.
+SMOOTHNESS = np.logspace(-8, 2, 21)
+#: Random vectors that estimate the trace in the cross-validation.
+PROBES = 4
+#: A modulus is no smaller than this share of the homogeneous one: the linear problem knows no sign.
+SMALLEST_MODULUS = 0.02
+
+NEO_HOOKEAN = ConvexBasis((), 1.0)
+
+
+class BaselineError(ExpectedError, RuntimeError):
+    """No material follows from the data; the message says why."""
+
+
+def homogeneous_modulus(mesh: Mesh, loading: Loading, F) -> float:
+    """The coefficient of one neo-Hookean material whose stress at the mean F fits force over cross-section.
+
+    Args:
+        F: [i, J, step, cell].
+
+    Raises:
+        BaselineError: the forces are those of no material.
+    """
+    mean = np.sum(F * mesh.areas, axis=-1, keepdims=True) / mesh.areas.sum()
+    unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(mean), jnp.zeros((1, 1))))[..., 0]
+    known, scale = loading.measured, loading.scale[:, None]
+    unit = np.stack([unit[i, i] for i in range(2)], axis=1)[known] / np.broadcast_to(scale, known.shape)[known]
+    target = (np.stack([loading.P_average[:, i, i] for i in range(2)], axis=1) / scale)[known]
+    modulus = float(unit @ target / (unit @ unit))
+    if modulus <= 0:
+        raise BaselineError(f"a homogeneous modulus of {modulus:g}: the measured forces do not pull where they should")
+    return modulus
+
+
+def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
+    """Coefficients (cell,) for which P(F) is closest to equilibrium with the forces, and their smoothness weight.
+
+    P is linear in the moduli, and so are the nodal virtual works. Squared differences of neighbours are added, with
+    the weight of the smallest generalised cross-validation score, its trace estimated after Hutchinson. Equilibrium
+    alone knows the moduli but for a factor, and noise in F shrinks them: the forces have the last word on it.
+    """
+    start = homogeneous_modulus(mesh, loading, F)
+    unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(F), jnp.zeros((1, 1, 1))))
+    D = nodal_force_matrices(mesh)
+    rows, targets, tied = [], [], []
+    for step, test in enumerate(loading.test):
+        for i in range(2):
+            T, edge = virtual_fields(mesh, i, loading.constrained[test], loading.known[test])
+            work = T.T @ sum(D[J] @ scipy.sparse.diags(unit[i, J, step]) for J in range(2))
+            target = np.zeros(work.shape[0])
+            if edge is not None:
+                target[-1] = loading.resultant[step, i]
+            tied.append(np.arange(len(target)) == (len(target) - 1 if edge else -1))
+            rows.append(work / loading.scale[step])
+            targets.append(target / loading.scale[step])
+    A, b = scipy.sparse.vstack(rows).tocsr(), np.concatenate(targets)
+    pairs = mesh.neighbours()[0]
+    L = scipy.sparse.csr_matrix(
+        (np.tile([1.0, -1.0], len(pairs)), (np.repeat(np.arange(len(pairs)), 2), pairs.ravel())),
+        (len(pairs), len(mesh.cells)),
+    )
+    normal, smooth = (A.T @ A).tocsc(), (L.T @ L).tocsc()
+    probes = np.random.default_rng(seed).choice([-1.0, 1.0], (PROBES, len(b)))
+    best = (np.inf, None, None)
+    for weight in SMOOTHNESS * normal.diagonal().mean():
+        factor = scipy.sparse.linalg.splu((normal + weight * smooth).tocsc(), permc_spec="MMD_AT_PLUS_A")
+        moduli = factor.solve(A.T @ b)
+        trace = np.mean([z @ (A @ factor.solve(A.T @ z)) for z in probes])
+        score = np.sum((A @ moduli - b) ** 2) / max(len(b) - trace, 1.0) ** 2
+        if score < best[0]:
+            best = (score, moduli, weight)
+    moduli, forces = np.maximum(best[1], SMALLEST_MODULUS * start), np.concatenate(tied)
+    predicted = A[forces] @ moduli
+    return moduli * (predicted @ b[forces]) / (predicted @ predicted), float(best[2])
+
+
+def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
+    """Identify a material without networks and write it.
+
+    Args:
+        method: holds ``baseline`` and ``seed``.
+        files: ``measurement`` and ``field`` (the deformation gradient), and ``constrained`` for that baseline.
+    """
+    measurement = read(files["measurement"])
+    mesh = mesh_of(measurement)
+    found = {}
+    if method.baseline == "constrained":
+        basis, params = basis_field(read(files["constrained"]))
+    else:
+        loading, F = Loading.of(measurement), field_gradient(read(files["field"]))
+        if method.baseline == "homogeneous":
+            moduli = np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F))
+        else:
+            moduli, found["smoothness_weight"] = equilibrium_gap_moduli(mesh, loading, F, method.seed)
+        basis, params = NEO_HOOKEAN, np.log(moduli)[None]
+    write(
+        output,
+        {
+            "X": mesh.nodes,
+            "cells": mesh.cells,
+            "corners": np.stack([mesh.lower, mesh.upper]),
+            **{f"basis.{key}": (("cell",), params[index]) for index, key in enumerate(basis.names)},
+        },
+        f"baseline material of {name}",
+        {
+            **attributes,
+            **found,
+            "units": units_of(measurement),
+            "material_kind": "convex_basis",
+            "basis": json.dumps(dataclasses.asdict(basis)),
+        },
+        parents=list(files.values()),
+    )

@@ -1,0 +1,49 @@
+"""A small sheet with a stiff inclusion under load, as a measurement file would hold it."""
+
+import numpy as np
+import xarray as xr
+
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.mesh import rectilinear
+from hypernode.stages.equilibrium_solver import EquilibriumSolver
+from hypernode.stages.forward import resultants
+
+SCALE = 0.4
+
+
+def sheet(cells, inclusion, load, noise=0.0, window=0.0):
+    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
+    basis = ConvexBasis(("I1_squared",), SCALE)
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    mesh = rectilinear(lines, lines)
+    params = np.tile(basis.start, (len(mesh.cells), 1))
+    params[inclusion(mesh.centres), 0] += np.log(2.0)
+    solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
+    u, _ = solver.solve(load)
+    force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
+    for step, field in enumerate(u):
+        for edge, i in load.constrained:
+            held[step, EDGE_NAMES.index(edge), i] = 1.0
+        force[step] = np.where(held[step] > 0, resultants(solver, field, load), np.nan)
+    measured = u + np.random.default_rng(5).normal(0.0, noise, u.shape) if noise else u
+    names = ("load_step", "node", "i")
+    data = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", *names), measured[None]),
+            "test": (("load_step",), np.zeros(len(u), int)),
+            "stretch": (("load_step",), load.stretch),
+            "H": (("load_step", "i", "J"), load.H),
+            "edge_force": (("load_step", "edge", "i"), force),
+            "edge_constrained": (("load_step", "edge", "i"), held),
+        },
+        attrs={"displacement_noise": noise, "correlation_window": window, "thickness": 1.0, "outline": "edge"},
+    )
+    return data, mesh, params
+
+
+def square(X):
+    return (np.abs(X - 0.5) < 0.25).all(axis=1)

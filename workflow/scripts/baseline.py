@@ -1,0 +1,15 @@
+"""Stage 8b: a material without networks."""
+
+from hypernode.config_slices import partial_method
+from hypernode.runtime import job
+
+with job(snakemake, float64=True) as attributes:
+    from hypernode.stages import baselines
+
+    baselines.run(
+        partial_method(snakemake.params.settings),
+        snakemake.wildcards.case,
+        dict(snakemake.input),
+        snakemake.output[0],
+        attributes,
+    )
