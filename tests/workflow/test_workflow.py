@@ -47,6 +47,7 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     wanted = {f"disc/{s}.nc" for s in ("true_material", "forward", "measurement")}
     wanted |= {f"disc/{m}/{s}.nc" for m in ("tiny", "tiny_pointwise") for s in stages}
     wanted |= {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in constrained}
+    wanted |= {f"seen/{m}/{s}.nc" for m in ("homogeneous", "equilibrium_gap", "updating") for s in constrained[-2:]}
     wanted |= {f"figures/{f}.{k}" for f in ("disc", "overview", "fibres", "several") for k in ("pdf", "png")}
     wanted |= {f"tables/{t}.{k}" for t in ("groups", "timing", "materials") for k in ("csv", "md", "tex")}
     wanted |= {"figures/disc.pdf", "figures/disc.png", "tables/summary.csv", "tables/summary.md"}
@@ -56,10 +57,11 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
 
 def test_the_summary_has_numbers_for_every_run(smoke):
     rows = (smoke / "results/tables/summary.csv").read_text().splitlines()
-    assert len(rows) == 6
+    cases = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())["cases"].values()
+    assert len(rows) == 1 + sum(len(case["methods"]) for case in cases)
     assert all(0 < float(row.split(",")[2]) < 1 for row in rows[1:])
     groups = (smoke / "results/tables/groups.csv").read_text().splitlines()
-    assert groups[1].startswith("all methods,3,mean,0.")
+    assert groups[1].startswith("all methods,4,mean,0.")
 
 
 def test_every_result_passes_the_audit_and_a_figure_leads_to_the_seed(smoke):
