@@ -24,7 +24,7 @@ lint: $(VENV)/dev
 	$(BIN)/snakemake --lint
 
 unit: $(VENV)/dev
-	$(BIN)/python -m pytest -q tests
+	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile tests
 
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke

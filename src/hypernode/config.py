@@ -433,9 +433,12 @@ Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
 
 
 class RunTable(Section):
-    """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups."""
+    """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups.
 
-    kind: Literal["runs", "timing", "validation", "references"] = "runs"
+    An ``ensemble`` compares the fields of the runs of each group, which are of one case.
+    """
+
+    kind: Literal["runs", "timing", "validation", "references", "ensemble"] = "runs"
     runs: list[str] = ["*"]
     columns: list[str] = []
     groups: dict[str, str] = {}

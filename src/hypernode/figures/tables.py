@@ -79,6 +79,35 @@ def run_rows(evaluations: list[str], columns: list[str], groups: dict[str, str])
     return table
 
 
+def ensemble_rows(evaluations: list[str], groups: dict[str, str]) -> list[dict[str, str]]:
+    """One row a group of runs of one case that differ in their seeds: mean field, spread, calibration.
+
+    Fields are P at common F, all modes and stretches. The spread is the standard deviation over the members; it is
+    calibrated where the truth lies within two spreads of the mean in about 95 % of the places.
+    """
+    files = [(path, read(path)) for path in sorted(evaluations)]
+    table = []
+    for label, pattern in groups.items():
+        members = [
+            file for path, file in files if fnmatch("/".join(Path(path).parts[-3:-1]), pattern) and "P_true" in file
+        ]
+        if len(members) < 2:
+            raise ValueError(f"the ensemble '{label}' has {len(members)} members with a known truth, and needs two")
+        P, true = np.stack([file["P_identified"].values for file in members]), members[0]["P_true"].values
+        mean, spread = P.mean(axis=0), P.std(axis=0, ddof=1)
+        size = np.sqrt(np.mean(true**2))
+        row = {
+            "ensemble": label,
+            "runs": len(members),
+            "error, mean of members": np.mean([np.sqrt(np.mean((member - true) ** 2)) for member in P]) / size,
+            "error of the mean": np.sqrt(np.mean((mean - true) ** 2)) / size,
+            "spread": np.sqrt(np.mean(spread**2)) / size,
+            "truth within two spreads": np.mean(np.abs(mean - true) <= 2.0 * spread),
+        }
+        table.append({name: f"{value:.4f}" if isinstance(value, float) else str(value) for name, value in row.items()})
+    return table
+
+
 def timing_rows(evaluations: list[str]) -> list[dict[str, str]]:
     """Seconds of wall time and peak memory of every job, from the workflow's benchmark records."""
     table = []
@@ -138,7 +167,7 @@ def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], 
 
     Args:
         evaluations: evaluation files of the runs in it.
-        settings: ``kind`` (runs, validation, references, timing or settings), with ``columns`` and
+        settings: ``kind`` (runs, validation, references, ensemble, timing or settings), with ``columns`` and
             ``groups``, or ``entries``.
         files: ``csv``, ``markdown`` and ``latex`` paths.
         provenance: what the job says of itself.
@@ -151,6 +180,8 @@ def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], 
         later = [name for names in own.values() for name in names]
         default = own.get(settings["kind"], [name for name in COLUMNS if name not in later])
         table = run_rows(evaluations, settings["columns"] or default, settings["groups"])
+    elif settings["kind"] == "ensemble":
+        table = ensemble_rows(evaluations, settings["groups"])
     elif settings["kind"] == "timing":
         table = timing_rows(evaluations)
     else:
