@@ -286,7 +286,8 @@ class Specimen(Section):
     """A real test: where its files are and how to read them.
 
     Lengths in mm, times in s, forces in N. Either ``frames`` (numbers) or ``stretches`` (target
-    mean stretches along the tensile axis) selects the load steps. ``correlation_window`` is the side of the
+    mean stretches along the tensile axis) selects the load steps. ``force_offset`` is subtracted from the force
+    record: what it reads before the sheet pulls. ``correlation_window`` is the side of the
     window over which the cameras' software averages the displacement, 0 where it is not known.
     """
 
@@ -301,6 +302,7 @@ class Specimen(Section):
     pixel_size: Positive
     frame_rate: Positive
     first_frame_time: float = 0.0
+    force_offset: float = 0.0
     edge_ring: Annotated[int, Field(ge=0)] = 1
     frames: list[Count] | None = None
     stretches: list[Annotated[float, Field(gt=1)]] | None = None

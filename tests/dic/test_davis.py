@@ -68,6 +68,13 @@ def test_lengths_forces_and_directions(folder, tmp_path):
     assert (data["u_measured"].values[0, -1, top, 1] > 0).all(), "y points upward"
 
 
+def test_what_the_record_reads_before_the_sheet_pulls_is_subtracted(folder, tmp_path):
+    plain = imported(folder, tmp_path)["edge_force"].values
+    (tmp_path / "out.nc").unlink()
+    less = imported(folder, tmp_path, force_offset=2.5)["edge_force"].values
+    np.testing.assert_allclose(less[:, 3, 1] / plain[:, 3, 1], [7.5 / 10.0, 17.5 / 20.0])
+
+
 def test_steps_chosen_by_stretch(folder, tmp_path):
     data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.099])
     assert json.loads(data.attrs["frames"]) == [6, 11]

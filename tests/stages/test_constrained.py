@@ -110,6 +110,15 @@ def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forc
     assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
 
 
+def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet_at_one():
+    data, mesh, _ = sheet(5, square, make_load("clamped_y", [1.1]))
+    whole = FieldProblem(data, Constrained(terms=["I1_squared"]))
+    cut = FieldProblem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
+    ends = [[int(mesh.nodes[f.direction.reshape(-1, 2)[:, 1] > 0, 1].mean()) for f in p.forces] for p in (whole, cut)]
+    assert ends == [[1], [1, 0]]
+    assert cut.forces[0].value == pytest.approx(-cut.forces[1].value)
+
+
 def test_a_stiff_square_is_found_again_from_noisy_displacements():
     data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=5e-4)
     settings = Constrained(terms=["I1_squared"], iterations=15)

@@ -139,7 +139,12 @@ class FieldProblem:
         return fit(STRONG_RIDGE, slice(None)), np.array(closest)
 
     def _edge_forces(self, measurement, relative: Float[np.ndarray, " step"]) -> None:
-        """Measured resultants, one a step and component; their overall balance gives the other edge."""
+        """Measured resultants, one a step and component; their overall balance gives the other edge.
+
+        Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
+        both resultants say something.
+        """
+        cut = measurement.attrs["outline"] == "cut"
         force = measurement["edge_force"].values / float(measurement.attrs["thickness"])
         constrained = measurement["edge_constrained"].values > 0
         largest = np.nanmax(np.abs(force), axis=(1, 2))
@@ -153,7 +158,8 @@ class FieldProblem:
                         direction[self.mesh.on_edge(edge), i] = 1.0
                         sigma = relative[step] * max(abs(force[step, e, i]), 0.1 * largest[step])
                         self.forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
-                        break
+                        if not cut:
+                            break
 
     def _cell_sensitivity(self, u, params, gradient, weight):
         """d(nodal forces)/d(parameters) of one cell (8, parameter)."""

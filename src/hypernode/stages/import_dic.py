@@ -55,7 +55,7 @@ def _select(specimen: Specimen, folder: Path) -> list[int]:
 
 
 def _at_frames(specimen: Specimen, force_path: Path, numbers: np.ndarray, first: int):
-    """(time [s] of each frame, force [N] interpolated there)."""
+    """(time [s] of each frame, force [N] interpolated there, less the offset)."""
     record_time, record_force = read_force_record(force_path)
     time = specimen.first_frame_time + (numbers - first) / specimen.frame_rate
     late = time > record_time[-1]
@@ -66,7 +66,7 @@ def _at_frames(specimen: Specimen, force_path: Path, numbers: np.ndarray, first:
         )
     if (time < record_time[0]).any():
         raise DicError(f"{force_path}: begins after the first chosen frame: check first_frame_time")
-    return time, np.interp(time, record_time, record_force)
+    return time, np.interp(time, record_time, record_force) - specimen.force_offset
 
 
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
