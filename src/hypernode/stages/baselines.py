@@ -55,17 +55,14 @@ def homogeneous_modulus(mesh: Mesh, loading: Loading, F) -> float:
     return modulus
 
 
-def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
-    """Coefficients (cell,) for which P(F) is closest to equilibrium with the forces, and their smoothness weight.
+def _virtual_work(mesh: Mesh, loading: Loading, F):
+    """((A, b) of the hat functions, (A, b) of virtual stretches of the whole sheet): A moduli = b in equilibrium.
 
-    P is linear in the moduli, and so are the nodal virtual works. Squared differences of neighbours are added, with
-    the weight of the smallest generalised cross-validation score, its trace estimated after Hutchinson. Equilibrium
-    alone knows the moduli but for a factor, and noise in F shrinks them: the forces have the last word on it.
+    Rows are steps and functions, in units of the stress of the step; a stretch has a row where its force is known.
     """
-    start = homogeneous_modulus(mesh, loading, F)
     unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(F), jnp.zeros((1, 1, 1))))
     D = nodal_force_matrices(mesh)
-    rows, targets, tied = [], [], []
+    hats, stretches = ([], []), ([], [])
     for step, test in enumerate(loading.test):
         for i in range(2):
             T, edge = virtual_fields(mesh, i, loading.constrained[test], loading.known[test])
@@ -73,10 +70,22 @@ def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
             target = np.zeros(work.shape[0])
             if edge is not None:
                 target[-1] = loading.resultant[step, i]
-            tied.append(np.arange(len(target)) == (len(target) - 1 if edge else -1))
-            rows.append(work / loading.scale[step])
-            targets.append(target / loading.scale[step])
-    A, b = scipy.sparse.vstack(rows).tocsr(), np.concatenate(targets)
+                stretches[0].append(mesh.areas * unit[i, i, step] / mesh.size[i] / loading.scale[step])
+                stretches[1].append(target[-1] / loading.scale[step])
+            hats[0].append(work / loading.scale[step])
+            hats[1].append(target / loading.scale[step])
+    return (scipy.sparse.vstack(hats[0]).tocsr(), np.concatenate(hats[1])), tuple(map(np.array, stretches))
+
+
+def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
+    """Coefficients (cell,) for which P(F) is closest to equilibrium with the forces, and their smoothness weight.
+
+    P is linear in the moduli, and so are the virtual works. Squared differences of neighbours are added, with the
+    weight of the smallest generalised cross-validation score, its trace estimated after Hutchinson. Noise in F shrinks
+    the moduli: the forces have the last word on their scale.
+    """
+    start = homogeneous_modulus(mesh, loading, F)
+    (A, b), (stretch, mean) = _virtual_work(mesh, loading, F)
     pairs = mesh.neighbours()[0]
     L = scipy.sparse.csr_matrix(
         (np.tile([1.0, -1.0], len(pairs)), (np.repeat(np.arange(len(pairs)), 2), pairs.ravel())),
@@ -92,9 +101,9 @@ def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
         score = np.sum((A @ moduli - b) ** 2) / max(len(b) - trace, 1.0) ** 2
         if score < best[0]:
             best = (score, moduli, weight)
-    moduli, forces = np.maximum(best[1], SMALLEST_MODULUS * start), np.concatenate(tied)
-    predicted = A[forces] @ moduli
-    return moduli * (predicted @ b[forces]) / (predicted @ predicted), float(best[2])
+    moduli = np.maximum(best[1], SMALLEST_MODULUS * start)
+    predicted = stretch @ moduli
+    return moduli * (predicted @ mean) / (predicted @ predicted), float(best[2])
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:

@@ -29,7 +29,7 @@ SAME_GRID_FLOOR, WINDOW_FLOOR = 3e-5, 1e-3
 #: Misfit of the best homogeneous material of one test beyond which the basis cannot describe the forces (a
 #: record with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it,
 #: as it does what several tests together leave: each would have a homogeneous material of its own.
-DESCRIPTION_ERROR = 0.02
+DESCRIPTION_ERROR = 0.015
 #: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
 STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
 NEWTON_TOLERANCE = 1e-6
