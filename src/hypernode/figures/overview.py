@@ -76,7 +76,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         _box(figure, (0.56, 0.66, 0.17, 0.12), "hyper-network\nX $\\to$ weights of the\nneural ODEs")
         _box(figure, (0.8, 0.66, 0.18, 0.12), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
         _box(figure, (0.8, 0.36, 0.18, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge forces\n= load cell")
-        curve = figure.add_axes([0.36, 0.12, 0.3, 0.28])
+        curve = figure.add_axes([0.38, 0.12, 0.28, 0.28])
         component = 1 if data.attrs["load"].endswith("_y") else 0
         for index, (colour, name) in enumerate(((MATRIX, "matrix"), (INCLUSION, "inclusion"))):
             curve.plot(
@@ -103,8 +103,8 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
             ((0.532, 0.72), (0.556, 0.72)),
             ((0.735, 0.72), (0.795, 0.72)),
             ((0.89, 0.655), (0.89, 0.51)),
-            ((0.8, 0.4), (0.67, 0.3)),
-            ((0.295, 0.25), (0.262, 0.25)),
+            ((0.8, 0.4), (0.675, 0.3)),
+            ((0.288, 0.25), (0.262, 0.25)),
         ):
             _arrow(figure, start, end)
         save(figure, files, provenance, inputs.values())
