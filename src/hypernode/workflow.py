@@ -44,24 +44,25 @@ def image_files(config: Config, name: str) -> list[str]:
     return [geometry.path for geometry in geometries if geometry.shape == "image"]
 
 
-def method_settings(config: Config, method: str, keys: tuple[str, ...]) -> dict:
-    """The part of a method that one stage uses, so that an edit of another stage does not rerun it."""
-    return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(keys)))
-
-
-#: Stage -> everything of a method that decides its result: its own settings and those of the stages before it.
-_SEEN = ("constrained", "gradient")
-_LEARNT = (*_SEEN, "interpolant", "seed")
-_HOMOGENISED = (*_LEARNT, "node", "homogenised")
-_INITIALISED = (*_HOMOGENISED, "hypernetwork", "initialisation")
-DECIDED_BY = {
+#: Stage -> the parts of a method that it uses, in the order in which the stages follow one another. The first part
+#: of the list, to ``pretrained``, is a chain; ``material`` and ``baseline`` are its two ends.
+STAGE_SETTINGS = {
     "constrained": ("constrained",),
-    "gradient": _SEEN,
-    "interpolant": _LEARNT,
-    "homogenised": _HOMOGENISED,
-    "initialised": _INITIALISED,
-    "pretrained": (*_INITIALISED, "pretraining", "prior_weight"),
+    "gradient": ("gradient",),
+    "interpolant": ("interpolant", "seed"),
+    "homogenised": ("node", "homogenised", "seed"),
+    "initialised": ("hypernetwork", "initialisation", "seed"),
+    "pretrained": ("hypernetwork", "pretraining", "prior_weight", "seed"),
+    "material": ("hypernetwork", "training", "prior_weight", "seed"),
+    "baseline": ("baseline", "seed"),
 }
+#: Stages whose file methods share where all that decides it is the same.
+SHARED = tuple(STAGE_SETTINGS)[: tuple(STAGE_SETTINGS).index("pretrained") + 1]
+
+
+def method_settings(config: Config, method: str, stage: str) -> dict:
+    """The part of a method that one stage uses, so that an edit of another stage does not rerun it."""
+    return in_fixed_order(config.methods[method].model_dump(mode="json", include=set(STAGE_SETTINGS[stage])))
 
 
 def stage_file(config: Config, case: str, method: str, stage: str) -> str:
@@ -69,11 +70,11 @@ def stage_file(config: Config, case: str, method: str, stage: str) -> str:
 
     Methods that differ only in later stages share the earlier ones, which are computed once.
     """
-    own = config.methods[method]
-    sharing = config.cases[case].methods if stage in DECIDED_BY else []
-    for name in sharing:
-        if all(getattr(config.methods[name], key) == getattr(own, key) for key in DECIDED_BY[stage]):
-            return f"results/{case}/{name}/{stage}.nc"
+    if stage in SHARED:
+        keys = {key for earlier in SHARED[: SHARED.index(stage) + 1] for key in STAGE_SETTINGS[earlier]}
+        wanted = [getattr(config.methods[method], key) for key in keys]
+        same = [m for m in config.cases[case].methods if [getattr(config.methods[m], key) for key in keys] == wanted]
+        method = next(iter(same), method)
     return f"results/{case}/{method}/{stage}.nc"
 
 

@@ -9,7 +9,7 @@ rule constrained:
         "results/benchmarks/{case}/{method}/constrained.jsonl"
     params:
         code=CODE["constrained"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("constrained",)),
+        settings=lambda w: method_settings(CONFIG, w.method, "constrained"),
     script:
         "../scripts/constrained.py"
 
@@ -29,7 +29,7 @@ rule gradient:
         "results/benchmarks/{case}/{method}/gradient.jsonl"
     params:
         code=CODE["gradient"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("gradient",)),
+        settings=lambda w: method_settings(CONFIG, w.method, "gradient"),
     script:
         "../scripts/gradient.py"
 
@@ -45,6 +45,6 @@ rule interpolant:
         "results/benchmarks/{case}/{method}/interpolant.jsonl"
     params:
         code=CODE["interpolant"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("interpolant", "seed")),
+        settings=lambda w: method_settings(CONFIG, w.method, "interpolant"),
     script:
         "../scripts/interpolant.py"

@@ -12,9 +12,7 @@ rule homogenised:
         "results/benchmarks/{case}/{method}/homogenised.jsonl"
     params:
         code=CODE["homogenised"],
-        settings=lambda w: method_settings(
-            CONFIG, w.method, ("node", "homogenised", "seed")
-        ),
+        settings=lambda w: method_settings(CONFIG, w.method, "homogenised"),
     script:
         "../scripts/homogenised.py"
 
@@ -34,9 +32,7 @@ rule initialisation:
         "results/benchmarks/{case}/{method}/initialisation.jsonl"
     params:
         code=CODE["initialisation"],
-        settings=lambda w: method_settings(
-            CONFIG, w.method, ("hypernetwork", "initialisation", "seed")
-        ),
+        settings=lambda w: method_settings(CONFIG, w.method, "initialised"),
     script:
         "../scripts/initialisation.py"
 
@@ -53,9 +49,7 @@ rule pretraining:
         "results/benchmarks/{case}/{method}/pretraining.jsonl"
     params:
         code=CODE["pretraining"],
-        settings=lambda w: method_settings(
-            CONFIG, w.method, ("hypernetwork", "pretraining", "prior_weight", "seed")
-        ),
+        settings=lambda w: method_settings(CONFIG, w.method, "pretrained"),
     script:
         "../scripts/pretraining.py"
 
@@ -74,9 +68,7 @@ rule training:
         method="|".join(map(re.escape, TRAINED)) or "none",
     params:
         code=CODE["training"],
-        settings=lambda w: method_settings(
-            CONFIG, w.method, ("hypernetwork", "training", "prior_weight", "seed")
-        ),
+        settings=lambda w: method_settings(CONFIG, w.method, "material"),
     script:
         "../scripts/training.py"
 
@@ -98,6 +90,6 @@ rule baseline:
         method="|".join(map(re.escape, BASELINES)) or "none",
     params:
         code=CODE["baseline"],
-        settings=lambda w: method_settings(CONFIG, w.method, ("baseline", "seed")),
+        settings=lambda w: method_settings(CONFIG, w.method, "baseline"),
     script:
         "../scripts/baseline.py"

@@ -35,6 +35,31 @@ def _arrow(figure, start, end):
     figure.patches.append(arrow)
 
 
+def _curves(curve, data):
+    """Stress-stretch curves of the two marked points, with the truth where it is known."""
+    component = 1 if data.attrs["load"].endswith("_y") else 0
+    for index, (colour, name) in enumerate(((MATRIX, "matrix"), (INCLUSION, "inclusion"))):
+        curve.plot(
+            data["curve_stretch"].values,
+            data["curve_identified"].values[index, :, component],
+            color=colour,
+            label=name,
+        )
+        if "curve_true" in data:
+            curve.plot(
+                data["curve_stretch"].values[::2],
+                data["curve_true"].values[index, ::2, component],
+                "o",
+                color=colour,
+                mfc="none",
+                ms=3,
+            )
+    curve.set_xlabel("stretch [-]", fontsize=7)
+    curve.set_ylabel("$P$" + unit_label(units_of(data)["stress"]), fontsize=7)
+    curve.set_title("lines identified, circles true", fontsize=6)
+    curve.legend(frameon=False, fontsize=6)
+
+
 def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
     """From displacements to a material: measured u, F, its network, the material field and two of its curves.
 
@@ -76,28 +101,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         _box(figure, (0.56, 0.66, 0.17, 0.12), "hyper-network\nX $\\to$ weights of the\nneural ODEs")
         _box(figure, (0.8, 0.66, 0.18, 0.12), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
         _box(figure, (0.8, 0.36, 0.18, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge forces\n= load cell")
-        curve = figure.add_axes([0.38, 0.12, 0.28, 0.28])
-        component = 1 if data.attrs["load"].endswith("_y") else 0
-        for index, (colour, name) in enumerate(((MATRIX, "matrix"), (INCLUSION, "inclusion"))):
-            curve.plot(
-                data["curve_stretch"].values,
-                data["curve_identified"].values[index, :, component],
-                color=colour,
-                label=name,
-            )
-            if "curve_true" in data:
-                curve.plot(
-                    data["curve_stretch"].values[::2],
-                    data["curve_true"].values[index, ::2, component],
-                    "o",
-                    color=colour,
-                    mfc="none",
-                    ms=3,
-                )
-        curve.set_xlabel("stretch [-]", fontsize=7)
-        curve.set_ylabel("$P$" + unit_label(units["stress"]), fontsize=7)
-        curve.set_title("lines identified, circles true", fontsize=6)
-        curve.legend(frameon=False, fontsize=6)
+        _curves(figure.add_axes([0.38, 0.12, 0.28, 0.28]), data)
         for start, end in (
             ((0.262, 0.72), (0.287, 0.72)),
             ((0.532, 0.72), (0.556, 0.72)),

@@ -120,7 +120,6 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     shape_stretch = min(SHAPE_STRETCH, largest)
     field = indicator(found, X, kind, shape_stretch)
     shape = find_inclusion(mesh, field)
-    curve_stretch = np.linspace(1.0, largest, CURVE_POINTS)
     variables = {
         "X": mesh.nodes,
         "cells": mesh.cells,
@@ -131,18 +130,16 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         "trace_P": field,
         "shape": shape.astype(np.int64),
         "P_field": P_field,
-        "curve_stretch": curve_stretch,
         "principal_strain": np.asarray(largest_principal_strain(np.moveaxis(gradient["F"].values, (2, 3), (0, 1)))),
     }
-    summary = {
-        "case": name,
-        "parameters": trained_weights(material),
-    }
+    summary = {"case": name}
+    if weights := trained_weights(material):
+        summary["parameters"] = weights
     _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary)
     if "misfit" in deformation:
         variables["misfit"] = deformation["misfit"].values
         summary["interpolant_misfit"] = float(variables["misfit"].max())
-    true_shape = None
+    true, true_shape = None, None
     if truth is not None:
         true = material_of(truth)
         true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
@@ -156,13 +153,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
             "iou": intersection_over_union(shape, true_shape),
             "boundary_distance": boundary_distance(mesh, shape, true_shape),
         }
-    sides = true_shape if true_shape is not None and truth is not None else shape
-    cells = most_interior(mesh, sides)
-    variables["curve_location"] = X[cells]
-    variables["curve_identified"] = curves(found, X[cells], curve_stretch, kind)
-    if truth is not None:
-        variables["curve_true"] = curves(true, X[cells], curve_stretch, kind)
-        summary |= _curve_scores(variables["curve_identified"], variables["curve_true"])
+    places = X[most_interior(mesh, shape if true is None else true_shape)]
+    _judge_curves(found, true, places, np.linspace(1.0, largest, CURVE_POINTS), kind, variables, summary)
     if shape.any() and not shape.all():
         summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
     if "F_truth" in measurement:
@@ -205,6 +197,18 @@ def _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary):
         "equilibrium_residual": float(residual.max()),
         "equilibrium_gap": float(gap.max()),
     }
+
+
+def _judge_curves(found, true, places, stretch, kind, variables, summary):
+    """Stress-stretch curves at one place of each phase, and their scores where the truth is known."""
+    variables |= {
+        "curve_location": places,
+        "curve_stretch": stretch,
+        "curve_identified": curves(found, places, stretch, kind),
+    }
+    if true is not None:
+        variables["curve_true"] = curves(true, places, stretch, kind)
+        summary |= _curve_scores(variables["curve_identified"], variables["curve_true"])
 
 
 def _judge_noise(mesh, measurement, fields, variables, summary):

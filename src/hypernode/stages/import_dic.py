@@ -8,7 +8,7 @@ from hypernode.config import Config, Specimen
 from hypernode.dic.davis import DicError, Series, frame_files, read_force_record, read_series
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.loads import CONSTRAINED
-from hypernode.mechanics.mesh import rectilinear
+from hypernode.mechanics.mesh import Mesh, rectilinear
 from hypernode.stages.fields import deformation_gradient
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 
@@ -69,11 +69,27 @@ def _at_frames(specimen: Specimen, force_path: Path, numbers: np.ndarray, first:
     return time, np.interp(time, record_time, record_force) - specimen.force_offset
 
 
-def run(config: Config, name: str, output: str, attributes: dict) -> None:
-    """Import a specimen: mm, N and MPa, y upward, force interpolated at each frame's time.
+def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
+    """(resultant [N], whether the displacement is prescribed) of each step, edge and component.
 
     The load cell sees the whole width; the grid that is left after dropping the edge ring is
     narrower, so its resultant is the share of its width.
+    """
+    axis = _AXIS[specimen.load]
+    across = 1 - axis
+    share = min(float(mesh.size[across]) / (specimen.width, specimen.height)[across], 1.0)
+    edge_force = np.full((len(force), len(EDGE_NAMES), 2), np.nan)
+    constrained = np.zeros(edge_force.shape)
+    for edge, component in CONSTRAINED[specimen.load]:
+        constrained[:, EDGE_NAMES.index(edge), component] = 1.0
+    low, high = (("left", "right"), ("bottom", "top"))[axis]
+    edge_force[:, EDGE_NAMES.index(high), axis] = force * share
+    edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
+    return edge_force, constrained
+
+
+def run(config: Config, name: str, output: str, attributes: dict) -> None:
+    """Import a specimen: mm, N and MPa, y upward, force interpolated at each frame's time.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
@@ -98,16 +114,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     reference = by_number[full.frames[0].number].reshape(-1, 2)[place] * mm
     u = u - np.nan_to_num(reference)
     axis = _AXIS[specimen.load]
-    across = 1 - axis
-    whole = (specimen.width, specimen.height)[across]
-    share = min(float(mesh.size[across]) / whole, 1.0)
-    edge_force = np.full((len(numbers), len(EDGE_NAMES), 2), np.nan)
-    constrained = np.zeros((len(numbers), len(EDGE_NAMES), 2))
-    for edge, component in CONSTRAINED[specimen.load]:
-        constrained[:, EDGE_NAMES.index(edge), component] = 1.0
-    low, high = (("left", "right"), ("bottom", "top"))[axis]
-    edge_force[:, EDGE_NAMES.index(high), axis] = force * share
-    edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
+    edge_force, constrained = _edges(specimen, mesh, force)
     areas = mesh.areas / mesh.areas.sum()
     F = deformation_gradient(mesh, u)
     folded = (np.linalg.det(F) <= 0).any(axis=1)

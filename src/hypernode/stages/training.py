@@ -143,6 +143,7 @@ def autodiff(
     edges = _edge_terms(problem)
 
     def loss(network, key):
+        """Div P at points drawn anew, and the edge terms at every cell of the border."""
         at = jax.random.choice(key, cells, (count,), replace=False)
         div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
         relative = div * problem.length / problem.scale[:, None]
