@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 import xarray as xr
 
 from hypernode.material import node_stress
@@ -10,7 +11,7 @@ from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.progress import Progress
-from hypernode.stages.references import pulled_sheet
+from hypernode.stages.references import pulled_sheet, typical_place
 
 
 def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge():
@@ -33,3 +34,19 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
     width = {"left": (-2.0, 0.0), "right": (2.0, 0.0), "bottom": (0.0, -4.0), "top": (0.0, 4.0)}
     wanted = np.array([0.5 * P @ width[edge] for edge in EDGE_NAMES])
     np.testing.assert_allclose(forces[0], wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max())
+
+
+def test_a_phase_is_represented_by_its_median_and_an_absent_one_is_an_error():
+    mesh = rectilinear(np.arange(6.0), np.arange(2.0))
+    evaluation = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "shape": ("cell", [0, 1, 1, 1, 0]),
+            "trace_P": ("cell", [1.0, 9.0, 5.0, 7.0, 3.0]),
+        }
+    )
+    np.testing.assert_array_equal(typical_place(evaluation, "inclusion"), [[3.5, 0.5]])
+    with pytest.raises(ValueError, match="no cell was found to belong to the inclusion"):
+        typical_place(evaluation.assign(shape=("cell", np.zeros(5, int))), "inclusion")
