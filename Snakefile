@@ -1,5 +1,6 @@
 """From a displacement field to a material: validate the configuration, then rules in data-flow order."""
 
+import os
 import re
 import sys
 from pathlib import Path

@@ -36,7 +36,7 @@ def prepared(folder):
     config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
     config["cases"] = {"disc": {**config["cases"]["disc"], "methods": ["tiny", "tiny_constrained"]}}
     config["figures"] = {"disc": config["figures"]["disc"]}
-    config["tables"] = {}
+    config["tables"] = {"groups": config["tables"]["groups"]}
     folder.mkdir()
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     return folder
@@ -119,17 +119,25 @@ def test_a_full_disk_stops_with_one_line_and_the_run_goes_on_once_there_is_space
 
 
 STAGES = (
-    "true_material",
-    "forward",
-    "measurement",
-    "tiny_constrained/constrained",
-    "tiny/gradient",
-    "tiny/interpolant",
-    "tiny/homogenised",
-    "tiny/initialised",
-    "tiny/pretrained",
-    "tiny/material",
-    "tiny/evaluation",
+    *(
+        f"results/disc/{stage}.nc"
+        for stage in (
+            "true_material",
+            "forward",
+            "measurement",
+            "tiny_constrained/constrained",
+            "tiny/gradient",
+            "tiny/interpolant",
+            "tiny/homogenised",
+            "tiny/initialised",
+            "tiny/pretrained",
+            "tiny/material",
+            "tiny/evaluation",
+        )
+    ),
+    "results/figures/disc.pdf",
+    "results/tables/groups.csv",
+    "results/ro-crate-metadata.json",
 )
 
 
@@ -145,13 +153,12 @@ def fill(disk):
 def test_a_disk_that_is_full_at_a_stage_gives_one_line_there_and_the_stage_runs_afterwards(tmp_path):
     folder = prepared(tmp_path / "full")
     with small_disk(folder, "64m") as disk:
-        for index, stage in enumerate(STAGES):
-            target = f"results/disc/{stage}.nc"
+        for index, target in enumerate(STAGES):
             if index:
-                resumed(folder, *(f"results/disc/{earlier}.nc" for earlier in STAGES[:index]))
+                resumed(folder, *STAGES[:index])
             fill(disk)
             assert_stopped_by_full_disk(subprocess.run(command(folder, target), capture_output=True, text=True), disk)
-            assert not (folder / target).exists(), stage
+            assert not (folder / target).exists(), target
             (disk / "filler").unlink()
             resumed(folder, target)
         assert verify(disk) == []

@@ -11,7 +11,12 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from requests import Response
 from rocrate.rocrate import ROCrate
+from rocrate.vocabs import RO_CRATE
+from rocrate_validator.models import Severity, ValidationSettings
+from rocrate_validator.services import validate
+from rocrate_validator.utils.http import HttpRequester
 
 import hypernode
 from hypernode.audit import lineage, result_files, verify
@@ -28,6 +33,25 @@ def snakemake(folder, *arguments, config=ROOT / "config" / "smoke.yaml"):
     command += ["--profile", str(ROOT / "profiles" / "default"), "--directory", str(folder), "--cores", "2"]
     command += ["--configfile", str(config)]
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+
+
+def problems_of_crate(folder, monkeypatch):
+    """What a crate lacks of what its profile requires."""
+
+    def shipped(_, url, **__):
+        assert url.startswith("https://w3id.org/ro/crate/"), f"unexpected request of {url}"
+        response = Response()
+        response.status_code, response.headers["Content-Type"] = 200, "application/ld+json"
+        # The shipped context is that of version 1.3; in 1.1 the words of Bioschemas have another prefix.
+        content = json.dumps({"@context": RO_CRATE["@context"]})
+        response._content = content.replace("https://bioschemas.org/terms/", "https://bioschemas.org/").encode()
+        return response
+
+    monkeypatch.setattr(HttpRequester, "get", shipped, raising=False)
+    settings = ValidationSettings(
+        rocrate_uri=folder, profile_identifier="workflow-run-crate-0.5", requirement_severity=Severity.REQUIRED
+    )
+    return [issue.message for issue in validate(settings).get_issues(Severity.REQUIRED)]
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +143,8 @@ def test_identified_and_true_material_answer_the_same_questions(smoke):
 
 def test_a_figure_is_rebuilt_from_the_crate_alone(smoke, tmp_path):
     crate = ROCrate(smoke / "results")
-    (action,) = (e for e in crate.get_entities() if e.type == "CreateAction" and e["result"].id == "figures/disc.pdf")
+    actions = [e for e in crate.get_entities() if e.id.startswith("#made-")]
+    (action,) = (e for e in actions if e["result"].id == "figures/disc.pdf")
     for made_from in action["object"]:
         (tmp_path / made_from.id).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(smoke / "results" / made_from.id, tmp_path / made_from.id)
@@ -132,6 +157,27 @@ def test_a_figure_is_rebuilt_from_the_crate_alone(smoke, tmp_path):
     arguments = [json.dumps(a) for a in (inputs, {"pdf": str(tmp_path / "again.pdf")}, settings)]
     subprocess.run([sys.executable, "-c", script, *arguments], check=True)
     assert sha256(tmp_path / "again.pdf") == crate.dereference("figures/disc.pdf")["sha256"]
+
+
+def test_the_crate_holds_its_workflow_and_keeps_the_workflow_run_profile(smoke, monkeypatch):
+    """The context that crates refer to is taken from the library that writes them: nothing is fetched."""
+    folder = smoke / "results"
+    crate = ROCrate(folder)
+    assert (folder / crate.mainEntity.id).read_bytes() == (ROOT / "Snakefile").read_bytes()
+    scripts = {p.name for p in (ROOT / "workflow/scripts").glob("*.py")}
+    assert {p.name for p in (folder / "definition/workflow/scripts").glob("*.py")} == scripts
+    assert problems_of_crate(folder, monkeypatch) == []
+
+
+def test_the_validator_finds_what_a_crate_lacks(smoke, tmp_path, monkeypatch):
+    shutil.copytree(smoke / "results", tmp_path / "results")
+    place = tmp_path / "results" / "ro-crate-metadata.json"
+    content = json.loads(place.read_text())
+    for entity in content["@graph"]:
+        if entity["@type"] == "CreateAction":
+            del entity["instrument"]
+    place.write_text(json.dumps(content))
+    assert problems_of_crate(tmp_path / "results", monkeypatch) != []
 
 
 def test_a_second_run_has_nothing_to_do(smoke):

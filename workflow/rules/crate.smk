@@ -1,8 +1,21 @@
+# Relative, so that a project that has moved is not another one.
+ROOT = Path(os.path.relpath(workflow.basedir))
+DEFINITION = [
+    ROOT / "Snakefile",
+    *sorted(ROOT.glob("workflow/rules/*.smk")),
+    *sorted(ROOT.glob("workflow/scripts/*.py")),
+]
+
+
 rule crate:
     input:
         TARGETS,
+        definition=DEFINITION,
     output:
         ensure("results/ro-crate-metadata.json", non_empty=True),
+        definition=[
+            f"results/definition/{path.relative_to(ROOT)}" for path in DEFINITION
+        ],
     log:
         "results/logs/crate.log",
     benchmark:

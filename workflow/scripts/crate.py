@@ -7,4 +7,4 @@ from hypernode.runtime import job
 with job(snakemake) as attributes:
     from hypernode import crate
 
-    crate.write(Path(snakemake.output[0]).parent, attributes)
+    crate.write(Path(snakemake.output[0]).parent, snakemake.input.definition, attributes)
