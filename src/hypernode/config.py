@@ -223,17 +223,25 @@ class Training(Optimiser):
 class Constrained(Section):
     """Equilibrium as a constraint: the field of convex-basis coefficients that explains the test.
 
+    ``further_terms`` are tried beside ``terms`` where those leave displacements unexplained.
     ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
     jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
     relative error of the load cell.
     """
 
-    terms: list[Literal[BASIS_TERMS]] = list(BASIS_TERMS)
+    terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre"]
+    further_terms: list[Literal[BASIS_TERMS]] = []
     iterations: Count = 30
     jump_weight: Positive = 40.0
     jump_scale: Positive = 0.05
     force_noise: Positive = 5e-4
     tolerance: Positive = 5e-4
+
+    @model_validator(mode="after")
+    def _fibres_first(self):
+        if "across" in [*self.terms, *self.further_terms] and "fibre" not in self.terms:
+            raise ValueError("the term across is a second family of fibres: add fibre to terms")
+        return self
 
 
 class Method(Section):

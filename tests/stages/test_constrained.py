@@ -4,15 +4,17 @@ import jax
 import numpy as np
 import pytest
 import xarray as xr
+from pydantic import ValidationError
 
 from hypernode.config import Constrained
-from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.loads import make_load
-from hypernode.mechanics.materials import goh, mooney_rivlin
+from hypernode.mechanics.material_names import BASIS_TERMS
+from hypernode.mechanics.materials import goh, hgo, mooney_rivlin
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.stages import field_problem
-from hypernode.stages.constrained import Jumps, identify
+from hypernode.stages.constrained import Jumps, _first_field, identify
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.fields import held_displacement
 from tests.stages.sheets import SCALE, sheet, square
@@ -37,9 +39,19 @@ def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
     np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
 
 
+def test_the_basis_contains_two_families_of_fibres():
+    F, angle, k1 = np.array([[1.15, 0.08], [-0.03, 1.1]]), 0.4, 0.5
+    basis, strength, share = ConvexBasis(("fibre", "across"), SCALE), 0.5 * SCALE / 0.5, 0.6
+    fibre = (strength + 0.02) * np.array([np.cos(2 * angle), np.sin(2 * angle)])
+    params = np.array([np.log(0.5), *fibre, -40.0, np.log1p(share)])
+    wanted = stress_of(hgo, F, {"C10": 0.5, "k1": k1, "k1w": share * k1, "k2": 1e-9}, angle)
+    # The direction of fibres is rounded by a share (0.02 / |z|)^2 / 2.
+    np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=3e-3)
+
+
 def test_the_stress_of_the_basis_is_the_derivative_of_its_energy():
     rng = np.random.default_rng(7)
-    basis = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE)
+    basis = ConvexBasis(BASIS_TERMS, SCALE)
     for _ in range(10):
         F, params = np.eye(2) + rng.normal(0.0, 0.15, (2, 2)), rng.normal(0.0, 1.0, len(basis.names))
         np.testing.assert_allclose(
@@ -49,7 +61,7 @@ def test_the_stress_of_the_basis_is_the_derivative_of_its_energy():
 
 def test_the_basis_is_convex_along_rank_one_lines():
     rng = np.random.default_rng(1)
-    basis = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE)
+    basis = ConvexBasis(BASIS_TERMS, SCALE)
     energy = jax.jit(basis.energy)
     for _ in range(40):
         params = rng.normal(0.0, 1.5, len(basis.names))
@@ -60,7 +72,7 @@ def test_the_basis_is_convex_along_rank_one_lines():
 
 
 def test_the_basis_is_stress_free_and_isotropic_without_fibres():
-    basis = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE)
+    basis = ConvexBasis(BASIS_TERMS, SCALE)
     assert np.abs(basis.stress(np.eye(2), basis.start)).max() < 1e-14
     params = basis.start
     params[3:5] = 0.0
@@ -122,14 +134,40 @@ def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet
 def test_a_stiff_square_is_found_again_from_noisy_displacements():
     data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=5e-4)
     settings = Constrained(terms=["I1_squared"], iterations=15)
-    problem = FieldProblem(data, settings)
-    params, _, history = identify(problem, settings, "square")
+    found = identify(data, settings, "square")
+    params, history = found.params, found.history
     level = params[:, 0]
     inside = square(mesh.centres)
     assert history[-1] < 1.05 < history[0]
     assert level[inside].mean() - level[~inside].mean() == pytest.approx(np.log(2.0), abs=0.1)
     assert ((level > 0.5 * (level[inside].mean() + level[~inside].mean())) == inside).mean() > 0.97
     assert true.shape == params.shape
+
+
+def test_a_second_family_needs_a_first():
+    with pytest.raises(ValidationError, match="add fibre to terms"):
+        Constrained(terms=["I2"], further_terms=["across"])
+    assert Constrained(terms=["fibre"], further_terms=["across"]).further_terms == ["across"]
+
+
+def test_fibres_that_no_datum_tells_of_begin_small_and_the_prior_wants_none():
+    """Pulled along y, an isotropic sheet says nothing of fibres along x."""
+    data, _, _ = sheet(5, square, make_load("uniaxial_y", [1.1, 1.2]))
+    problem = FieldProblem(data, Constrained(terms=["I1_squared", "fibre"]))
+    params, centre = _first_field(problem, None)
+    fibre = [problem.basis.names.index(name) for name in FIBRE_VECTOR]
+    assert np.linalg.norm(params[:, fibre], axis=1) == pytest.approx(0.01)
+    assert np.all(centre[:, fibre] == 0.0)
+
+
+def test_further_terms_are_kept_only_where_they_explain_more():
+    data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]))
+    plain = Constrained(terms=["fibre"], iterations=2)
+    more = plain.model_copy(update={"further_terms": ["I1_squared"]})
+    alone, kept = (identify(data, settings, "square") for settings in (plain, more))
+    assert alone.history[-1] > 2.0
+    assert kept.history[-1] <= alone.history[-1]
+    assert kept.problem.basis.terms == (("fibre", "I1_squared") if kept.history[-1] < alone.history[-1] else ("fibre",))
 
 
 def test_jumps_cost_length_times_size_and_large_ones_stop_costing_more():

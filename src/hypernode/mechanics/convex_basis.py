@@ -1,14 +1,14 @@
 """A small convex basis of strain energies whose coefficients a full-field test can determine.
 
-Psi = c [ (I1 - 3) + c1 (I1 - 3)^2 / (2 s) + c2 (I2 - 3) + k <E>^2 / (2 s) ],
-E = b (I1 - 3) + (1 - b) (M : C - 1),  M = (1 + r)/2 v x v + (1 - r)/2 w x w,
+Psi = c [ (I1 - 3) + c1 (I1 - 3)^2 / (2 s) + c2 (I2 - 3) + k (<E_M>^2 + q <E_N>^2) / (2 s) ],
+E_M = b (I1 - 3) + (1 - b) (M : C - 1),  M = (1 + r)/2 v x v + (1 - r)/2 w x w,  N = I - M,
 
-with positive c, c1, c2, k, a dispersion b between 0 and 1, and s a typical I1 - 3. Every summand is
+with positive c, c1, c2, k, q, a dispersion b between 0 and 1, and s a typical I1 - 3. Every summand is
 polyconvex. The parameters are unconstrained numbers, all but the first relative to it, so that where only
-the stiffness jumps, only one of them does: the logarithm of c, log(1 + c1), log(1 + c2), a logit, and for the
+the stiffness jumps, only one of them does: the logarithm of c, log(1 + .) of c1, c2 and q, a logit, and for the
 fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and
 their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
-or turn.
+or turn. The family across, N, comes with the share q of their strength and ends where they do.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,10 @@ PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},
     "I2": {"log1p_I2": 0.08},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
+    "across": {"log1p_across": 0.02},
 }
+#: Parameters that together are the doubled-angle vector of the fibres.
+FIBRE_VECTOR = ("fibre_x", "fibre_y")
 assert tuple(PARAMETERS) == BASIS_TERMS, "the names that the configuration offers are those of the basis"
 
 
@@ -81,8 +84,8 @@ class ConvexBasis:
         if "I2" in self.terms:
             total = total + _coefficient(p["log1p_I2"]) * e2
         if "fibre" in self.terms:
-            strength, _, _, E = self._fibre(F, e1, p)
-            total = total + strength * E**2 / (2.0 * self.invariant_scale)
+            strength, _, families = self._fibre(F, e1, p)
+            total = total + strength * sum(share * E**2 for share, _, E in families) / (2.0 * self.invariant_scale)
         return jnp.exp(p["log_level"]) * total
 
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
@@ -95,17 +98,27 @@ class ConvexBasis:
         if "I2" in self.terms:
             dI2 = dI2 + _coefficient(p["log1p_I2"])
         if "fibre" in self.terms:
-            strength, b, (M11, M22, M12), E = self._fibre(F, e1, p)
-            slope = strength * E / self.invariant_scale
-            dI1 = dI1 + b * slope
-            S = tuple(2.0 * (1.0 - b) * slope * M for M in (M11, M22, M12))
+            strength, b, families = self._fibre(F, e1, p)
+            for share, M, E in families:
+                slope = strength * share * E / self.invariant_scale
+                dI1 = dI1 + b * slope
+                S = tuple(known + 2.0 * (1.0 - b) * slope * component for known, component in zip(S, M, strict=True))
         return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S)
 
     def _fibre(self, F, e1, p):
-        """(strength k, dispersion b, (M11, M22, M12), strain E) of the fibres, E clamped in compression."""
+        """(strength k, dispersion b, families); a family is its share, (M11, M22, M12) and its strain E.
+
+        Fibres carry no load in compression: E is no less than zero.
+        """
         z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
-        M = 0.5 * (1.0 + p["fibre_x"] / z), 0.5 * (1.0 - p["fibre_x"] / z), 0.5 * p["fibre_y"] / z
         C11, C22, C12 = right_cauchy_green(F)
         b = jax.nn.sigmoid(p["logit_dispersion"])
-        planar = M[0] * C11 + M[1] * C22 + 2.0 * M[2] * C12 - 1.0
-        return z - ROUNDING, b, M, jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)
+        # The family across is that of the opposite doubled-angle vector.
+        shares = [(1.0, 1.0)] + ([(-1.0, _coefficient(p["log1p_across"]))] if "across" in self.terms else [])
+        families = []
+        for sign, share in shares:
+            x, y = sign * p["fibre_x"] / z, sign * p["fibre_y"] / z
+            M = 0.5 * (1.0 + x), 0.5 * (1.0 - x), 0.5 * y
+            planar = M[0] * C11 + M[1] * C22 + 2.0 * M[2] * C12 - 1.0
+            families.append((share, M, jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)))
+        return z - ROUNDING, b, families

@@ -4,6 +4,9 @@ Displacements are data here, not input. The unknown is a field of convex-basis c
 cell; for every guess JAX-FEM solves the equilibrium of each load step, and the misfit of displacements
 and edge forces, in units of their noise, is reduced together with the jumps of the field by
 Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly matters.
+
+The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
+valleys that all coefficients together make. From there the other terms are released.
 """
 
 import dataclasses
@@ -15,6 +18,7 @@ import scipy.sparse.linalg
 
 from hypernode.config import Constrained
 from hypernode.errors import ExpectedError
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import factorise
 from hypernode.stages.field_problem import FieldProblem
@@ -25,12 +29,16 @@ from hypernode.storage.netcdf import read, units_of, write
 RIDGE = 0.02
 #: Iterations with total variation before jumps above ``jump_scale`` stop costing more.
 CONVEX_ITERATIONS = 5
+#: Length of the fibre vector from which it can grow.
+SMALLEST_FIBRE = 0.01
 #: Largest change of a parameter in one step.
 LARGEST_STEP = 1.0
 #: Damping beyond which no descent is left to find.
 LARGEST_DAMPING = 1e6
 #: A displacement misfit this close to its noise counts as explained.
 CLOSE = 1.05
+#: Misfit over the noise beyond which the terms are taken to be too few, not the descent too short.
+UNEXPLAINED = 2.0
 #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
 LINEAR_ITERATIONS = (60, 100)
 #: Residual at which they end, relative to the gradient: while the displacements are not explained, and
@@ -39,6 +47,9 @@ LINEAR_TOLERANCE = (0.01, 0.05)
 #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors
 #: estimate it.
 CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
+#: Before more terms follow, the stiffness is good enough once its misfit has fallen by less than this share in this
+#: many iterations, or its cost by less than ``PLAIN_TOLERANCE`` in one.
+PLATEAU_SHARE, PLATEAU_ITERATIONS, PLAIN_TOLERANCE = 0.2, 3, 5e-3
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
@@ -100,42 +111,102 @@ class Objective:
         return linear, linear.adjoint([r / sigma for r in u], f), curvature
 
 
-def identify(problem: FieldProblem, settings: Constrained, name: str):
-    """The parameter field and its equilibrium states.
+@dataclasses.dataclass
+class Found:
+    """Where a descent ended: parameters by cell, equilibrium states, misfits in units of the noise."""
 
-    Displacements are weighted by the larger of their noise and their present misfit, so that early
-    iterations, far from the solution, are not ruled by the last digit.
+    problem: FieldProblem
+    params: np.ndarray
+    states: list
+    history: np.ndarray
 
-    Returns:
-        (params (cell, parameter), states, history of the misfit in units of the noise).
+
+def identify(measurement, settings: Constrained, name: str) -> Found:
+    """The material field that explains a measurement: the stiffness alone, then the terms of the basis.
+
+    Where those are far from explaining the displacements, the further terms are tried with them, from the stiffness
+    alone again, and the better of the two fields is kept. More terms from the beginning make longer valleys.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
     """
-    cells, count = len(problem.mesh.cells), len(problem.basis.names)
-    params = np.tile(problem.homogeneous, (cells, 1))
-    states = problem.states(params, problem.extension(params))
+
+    def with_terms(terms, before):
+        problem = FieldProblem(measurement, settings.model_copy(update={"terms": terms}))
+        return descend(problem, settings, name, before, more_follow=before is None and bool(settings.terms))
+
+    found = plain = with_terms([], None)
+    if settings.terms:
+        found = with_terms(settings.terms, plain)
+    if settings.further_terms and found.history[-1] > UNEXPLAINED:
+        richer = with_terms([*settings.terms, *settings.further_terms], plain)
+        found = min(found, richer, key=lambda candidate: candidate.history[-1])
+    if found is plain:
+        return found
+    return dataclasses.replace(found, history=np.concatenate([plain.history, found.history]))
+
+
+def _first_field(problem: FieldProblem, before: Found | None):
+    """(parameters by cell, where the ridge pulls them) of a descent that follows that of the stiffness alone.
+
+    Fibres that no force tells of have no gradient at zero, so they begin a little above; but none is what the
+    ridge prefers, so that they vanish where the data say nothing of them.
+    """
+    names, cells = problem.basis.names, len(problem.mesh.cells)
+    centre = np.tile(problem.homogeneous, (cells, 1))
+    params = centre.copy()
+    fibre = [names.index(key) for key in FIBRE_VECTOR if key in names]
+    centre[:, fibre] = 0.0
+    # Other terms of the homogeneous fit are stiffness too; only the differences between cells are kept.
+    if before is not None:
+        params[:, 0] += before.params[:, 0] - before.problem.homogeneous[0]
+    if fibre and np.linalg.norm(params[0, fibre]) < SMALLEST_FIBRE:
+        params[:, fibre] = SMALLEST_FIBRE, 0.0
+    return params, centre
+
+
+def descend(
+    problem: FieldProblem, settings: Constrained, name: str, before: Found | None = None, more_follow: bool = False
+) -> Found:
+    """The parameter field whose equilibrium is closest to the data, and its states.
+
+    Displacements are weighted by the larger of their noise and their present misfit, so that early
+    iterations, far from the solution, are not ruled by the last digit.
+
+    Args:
+        before: what the stiffness alone found, to begin from; the homogeneous sheet without it.
+        more_follow: whether more terms follow, so that it ends where it no longer gains much.
+
+    Raises:
+        IdentificationError: no equilibrium at the homogeneous start.
+    """
+    params, centre = _first_field(problem, before)
+    guesses = problem.extension(params) if before is None else [state.u for state in before.states]
+    states = problem.states(params, guesses)
     if states is None:
         raise IdentificationError(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the held edges "
             "smooth, and is every load step one state of the same test?"
         )
-    ridge = np.tile(np.where(np.arange(count) == 0, 0.0, RIDGE**2), cells)
+    ridge = np.tile(np.where(np.arange(params.shape[1]) == 0, 0.0, RIDGE**2), len(params))
     jumps = Jumps(problem.mesh, problem.basis.names)
-    objective = Objective(problem, jumps, settings.jump_weight, ridge, params.ravel().copy())
-    progress = Progress("constrained field", name, settings.iterations)
+    # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
+    jumps.scale = None if before is None else settings.jump_scale
+    objective = Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
+    progress = Progress("stiffness field" if more_follow else "constrained field", name, settings.iterations)
+    tolerance = PLAIN_TOLERANCE if more_follow else settings.tolerance
     damping, history = 1.0, [objective.misfit(states) / problem.sigma]
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
-        before = objective.value(params, states, sigma)
+        cost = objective.value(params, states, sigma)
         linear, step = objective.gauss_newton(params, states, sigma, damping, history[-1] <= CLOSE)
         longest = 1.0 if jumps.scale is None else OVER_RELAXATION
-        found = _line_search(objective, params, states, sigma, linear, step, before, longest)
+        found = _line_search(objective, params, states, sigma, linear, step, cost, longest)
         if found is None:
             if damping > LARGEST_DAMPING:
                 break
             damping = max(100.0 * damping, 1.0)
-            progress.advance(misfit=history[-1], cost=before)
+            progress.advance(misfit=history[-1], cost=cost)
             continue
         params, states, after, fraction = found
         damping = max(damping / 4, 1e-4) if fraction >= 0.99 else 4 * damping if fraction < 0.5 else damping
@@ -144,10 +215,18 @@ def identify(problem: FieldProblem, settings: Constrained, name: str):
         close = history[-1] <= CLOSE
         if jumps.scale is None and (close or iteration + 1 >= CONVEX_ITERATIONS):
             jumps.scale = settings.jump_scale
-        elif close and jumps.isotropic and (before - after) / before < settings.tolerance:
-            break
+        else:
+            settled = close and jumps.isotropic and (cost - after) / cost < tolerance
+            if settled or (more_follow and _on_plateau(history)):
+                break
         jumps.isotropic = jumps.isotropic or bool(close)
-    return params, states, np.array(history)
+    return Found(problem, params, states, np.array(history))
+
+
+def _on_plateau(history) -> bool:
+    """Whether a misfit that is not explained, and was followed beyond the convex start, no longer falls."""
+    followed = len(history) > CONVEX_ITERATIONS + PLATEAU_ITERATIONS
+    return followed and history[-1] > (1.0 - PLATEAU_SHARE) * history[-1 - PLATEAU_ITERATIONS]
 
 
 def _line_search(objective, params, states, sigma, linear, change, before, longest):
@@ -183,8 +262,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         IdentificationError: no equilibrium at the homogeneous start.
     """
     measurement = read(measurement_file)
-    problem = FieldProblem(measurement, settings)
-    params, states, history = identify(problem, settings, name)
+    found = identify(measurement, settings, name)
+    problem, params, states, history = found.problem, found.params, found.states, found.history
     u = np.stack([state.u for state in states])
     _, forces = problem.residuals(states)
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "test", "stretch")}

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from hypernode.config import Constrained
-from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
 from hypernode.stages.fields import Loading, deformation_gradient, held_displacement, mesh_of
@@ -131,8 +131,13 @@ class FieldProblem:
             relative = (np.stack([P[0, 0], P[1, 1]]) - target) / loading.scale
             return relative[:, steps][loading.measured.T[:, steps]]
 
+        # Fibres begin above zero, where they have a gradient, but the plainest material has none.
+        plainest = np.array([0.0 if key in FIBRE_VECTOR else p for key, p in zip(self.basis.names, start, strict=True)])
+
         def fit(ridge, steps):
-            return least_squares(lambda p: np.concatenate([100.0 * misfit(p, steps), ridge * (p - start)[1:]]), start).x
+            return least_squares(
+                lambda p: np.concatenate([100.0 * misfit(p, steps), ridge * (p - plainest)[1:]]), start
+            ).x
 
         tests = [loading.test == k for k in range(loading.test.max() + 1)]
         closest = [np.sqrt(np.mean(misfit(fit(WEAK_RIDGE, steps), steps) ** 2)) for steps in tests]
