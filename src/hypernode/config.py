@@ -352,7 +352,7 @@ class Case(Section):
     two; ``spacing`` is the ratio of the last to the first cell's side along x and y; ``camera`` measures
     on a grid that is not the finite-element mesh. ``unseen_loads`` are computed with the identified
     field and compared with the truth. ``references`` of a specimen: phase -> case of a sheet that consists of
-    it, whose forces are compared with those of the identified phase.
+    it, whose forces are compared with those of the identified phase, or whole -> case of frames that were not used.
     """
 
     geometry: str | None = None
@@ -368,7 +368,7 @@ class Case(Section):
     spacing: tuple[Positive, Positive] = (1.0, 1.0)
     camera: Camera | None = None
     unseen_loads: list[str] = []
-    references: dict[Literal["matrix", "inclusion"], str] = {}
+    references: dict[Literal["matrix", "inclusion", "whole"], str] = {}
     methods: list[str] = []
     judged_stretches: list[Positive] | None = None
 

@@ -49,48 +49,19 @@ def build(folder: Path) -> ROCrate:
         for uri in PROFILES
     ]
     crate.root_dataset["conformsTo"] = profiles
-    rules = {}
-    described = {}
-    for path, record in records.items():
-        name = path.relative_to(folder).as_posix()
-        properties = {"sha256": record["sha256"], "contentSize": str(path.stat().st_size)}
-        properties |= {"encodingFormat": FORMATS.get(path.suffix, "application/octet-stream")}
-        if name == MAIN_WORKFLOW:
-            properties |= {"@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"], "name": "hypernode"}
-        described[path] = crate.add_file(dest_path=name, properties=properties)
+    described = {path: _described_file(crate, folder, path, record) for path, record in records.items()}
     language = {"@type": "ComputerLanguage", "name": "Snakemake", "url": {"@id": "https://snakemake.readthedocs.io"}}
     workflow = described[folder / MAIN_WORKFLOW]
     workflow["programmingLanguage"] = crate.add(
         ContextEntity(crate, "https://w3id.org/workflowhub/workflow-ro-crate#snakemake", language)
     )
+    rules = {}
     for path, record in records.items():
         rule = record["rule"] or "unknown"
         if rule not in rules:
             described_rule = {"@type": "SoftwareApplication", "name": rule, "softwareVersion": record["code"]}
             rules[rule] = crate.add(ContextEntity(crate, f"#rule-{rule}", described_rule))
-        objects = [
-            described[(path.parent / p).resolve()]
-            for p in record["parents"]
-            if (path.parent / p).resolve() in described
-        ]
-        for raw, digest in sorted(record["raw_inputs"].items()):
-            identifier = f"#raw-{digest[:16]}"
-            known = crate.dereference(identifier)
-            described_raw = {"@type": "CreativeWork", "name": Path(raw).name, "sha256": digest}
-            objects.append(known or crate.add(ContextEntity(crate, identifier, described_raw)))
-        crate.add_action(
-            rules[rule],
-            identifier=f"#made-{record['sha256'][:16]}-{path.relative_to(folder).as_posix().replace('/', '-')}",
-            object=objects,
-            result=described[path],
-            properties={
-                "name": f"{rule} of {path.relative_to(folder).as_posix()}",
-                "endTime": record["written"],
-                "description": json.dumps(
-                    {"settings": record["settings"], "versions": record["versions"]}, sort_keys=True
-                ),
-            },
-        )
+        _add_action(crate, folder, path, record, rules[rule], described)
     crate.add_action(
         workflow,
         identifier="#run",
@@ -100,6 +71,39 @@ def build(folder: Path) -> ROCrate:
     crate.mainEntity = workflow
     workflow["hasPart"] = [rules[name] for name in sorted(rules)]
     return crate
+
+
+def _described_file(crate: ROCrate, folder: Path, path: Path, record: dict):
+    """The entity of one result file."""
+    name = path.relative_to(folder).as_posix()
+    properties = {"sha256": record["sha256"], "contentSize": str(path.stat().st_size)}
+    properties |= {"encodingFormat": FORMATS.get(path.suffix, "application/octet-stream")}
+    if name == MAIN_WORKFLOW:
+        properties |= {"@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"], "name": "hypernode"}
+    return crate.add_file(dest_path=name, properties=properties)
+
+
+def _add_action(crate: ROCrate, folder: Path, path: Path, record: dict, rule, described: dict) -> None:
+    """The action that made one result file from its parents and raw inputs."""
+    parents = [(path.parent / parent).resolve() for parent in record["parents"]]
+    objects = [described[parent] for parent in parents if parent in described]
+    for raw, digest in sorted(record["raw_inputs"].items()):
+        identifier = f"#raw-{digest[:16]}"
+        known = crate.dereference(identifier)
+        described_raw = {"@type": "CreativeWork", "name": Path(raw).name, "sha256": digest}
+        objects.append(known or crate.add(ContextEntity(crate, identifier, described_raw)))
+    name = path.relative_to(folder).as_posix()
+    crate.add_action(
+        rule,
+        identifier=f"#made-{record['sha256'][:16]}-{name.replace('/', '-')}",
+        object=objects,
+        result=described[path],
+        properties={
+            "name": f"{record['rule'] or 'unknown'} of {name}",
+            "endTime": record["written"],
+            "description": json.dumps({"settings": record["settings"], "versions": record["versions"]}, sort_keys=True),
+        },
+    )
 
 
 def write(folder: Path, definition: Sequence[str], provenance: dict) -> None:

@@ -160,13 +160,14 @@ def test_fibres_that_no_datum_tells_of_begin_small_and_the_prior_wants_none():
     assert np.all(centre[:, fibre] == 0.0)
 
 
-def test_further_terms_are_kept_only_where_they_explain_more():
+def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_test_is_a_warning(capsys):
     data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]))
     plain = Constrained(terms=["fibre"], iterations=2)
     more = plain.model_copy(update={"further_terms": ["I1_squared"]})
     alone, kept = (identify(data, settings, "square") for settings in (plain, more))
     assert alone.history[-1] > 2.0
     assert kept.history[-1] <= alone.history[-1]
+    assert "warning: constrained field of square: displacements are missed by" in capsys.readouterr().err
     assert kept.problem.basis.terms == (("fibre", "I1_squared") if kept.history[-1] < alone.history[-1] else ("fibre",))
 
 

@@ -34,6 +34,9 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
     width = {"left": (-2.0, 0.0), "right": (2.0, 0.0), "bottom": (0.0, -4.0), "top": (0.0, 4.0)}
     wanted = np.array([0.5 * P @ width[edge] for edge in EDGE_NAMES])
     np.testing.assert_allclose(forces[0], wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max())
+    field = jnp.tile(params, (len(mesh.cells), 1))
+    again = pulled_sheet(measurement, node, field, Progress("references", "sheet", 1))
+    np.testing.assert_array_equal(again, forces)
 
 
 def test_a_phase_is_represented_by_its_median_and_an_absent_one_is_an_error():

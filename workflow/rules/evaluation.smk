@@ -2,7 +2,11 @@ rule evaluation:
     input:
         unpack(lambda w: truth_input(CONFIG, w.case)),
         unpack(lambda w: printed_input(CONFIG, w.case)),
-        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
+        unpack(
+            lambda w: field_inputs(
+                CONFIG, w.case, w.method, "measurement", "field", "constrained"
+            )
+        ),
         gradient=lambda w: stage_file(CONFIG, w.case, w.method, "gradient"),
         material="results/{case}/{method}/material.nc",
     output:

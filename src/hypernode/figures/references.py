@@ -1,4 +1,4 @@
-"""Homogeneous sheets with the identified phases against their own tests (paper: experimental_example)."""
+"""Homogeneous sheets and other frames with what was identified, against their tests (paper: experimental_example)."""
 
 import json
 
@@ -8,6 +8,9 @@ import numpy as np
 from hypernode.figures.style import INCLUSION, MATRIX, RC, save, unit_label
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.storage.netcdf import read, units_of
+
+#: Reference -> its colour and what stands for it.
+SHOWN = {"matrix": (MATRIX, "matrix"), "inclusion": (INCLUSION, "inclusion"), "whole": ("black", "field")}
 
 
 def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
@@ -28,7 +31,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         figure, axes = plt.subplots(figsize=(3.4, 2.6), layout="constrained")
         for index, label in enumerate(tests):
             phase = label.split(":")[0]
-            colour = {"matrix": MATRIX, "inclusion": INCLUSION}[phase]
+            colour, shown = SHOWN[phase]
             steps = data["test"].values == index
             stretch = np.concatenate([[1.0], data["stretch"].values[steps]])
             measured, found = (
@@ -37,7 +40,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
             )
             error = 100 * summary[f"reference_nrmse_{phase}"]
             axes.plot(stretch, measured, "o", color=colour, mfc="none", label=f"{label}, measured")
-            axes.plot(stretch, found, "-", color=colour, label=f"identified {phase} (error {error:.1f} %)")
+            axes.plot(stretch, found, "-", color=colour, label=f"identified {shown} (error {error:.1f} %)")
         axes.set_xlabel("mean stretch [-]")
         axes.set_ylabel("force" + unit_label(units["force"]))
         axes.set_ylim(bottom=0.0)

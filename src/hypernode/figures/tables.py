@@ -17,6 +17,9 @@ COLUMNS = {
     "off interface": ("stress_error_off_interface", ".4f"),
     "against cell means": ("stress_error_cell_mean", ".4f"),
     "contrast error": ("contrast_error", ".3f"),
+    "misfit of u [noise]": ("displacement_misfit", ".2f"),
+    "constrained field alone": ("stress_error_constrained", ".4f"),
+    "networks against it": ("network_error", ".4f"),
     "correlation": ("correlation", ".3f"),
     "Dice": ("dice", ".3f"),
     "Dice, registered": ("dice_registered", ".3f"),
@@ -41,6 +44,7 @@ COLUMNS = {
     "unseen loads without equilibrium": ("unseen_without_equilibrium", "d"),
     "sheet of the matrix, NRMSE": ("reference_nrmse_matrix", ".4f"),
     "sheet of the inclusion, NRMSE": ("reference_nrmse_inclusion", ".4f"),
+    "frames not used, NRMSE": ("reference_nrmse_whole", ".4f"),
 }
 
 

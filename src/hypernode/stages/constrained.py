@@ -11,6 +11,7 @@ valleys that all coefficients together make. From there the other terms are rele
 
 import dataclasses
 import json
+import sys
 
 import numpy as np
 import scipy.sparse
@@ -141,6 +142,13 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     if settings.further_terms and found.history[-1] > UNEXPLAINED:
         richer = with_terms([*settings.terms, *settings.further_terms], plain)
         found = min(found, richer, key=lambda candidate: candidate.history[-1])
+    if found.history[-1] > UNEXPLAINED:
+        print(
+            f"warning: constrained field of {name}: displacements are missed by {found.history[-1]:.1f} times their "
+            f"noise. The terms ({', '.join(found.problem.basis.terms) or 'neo-Hookean'}) do not explain this test, or "
+            "the descent ended early: trust no number of this field; add further_terms or iterations",
+            file=sys.stderr,
+        )
     if found is plain:
         return found
     return dataclasses.replace(found, history=np.concatenate([plain.history, found.history]))

@@ -97,7 +97,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
 
     Args:
         files: paths of ``measurement``, ``gradient``, ``field`` (interpolant or gradient), ``material``,
-            ``truth`` where it is known, and ``printed``, the image of a specimen's shape.
+            ``constrained`` where the method has one, ``truth`` where it is known, and ``printed``, the image of a
+            specimen's shape.
     """
     files = dict(files)
     printed = files.pop("printed", None)
@@ -139,10 +140,14 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     if "misfit" in deformation:
         variables["misfit"] = deformation["misfit"].values
         summary["interpolant_misfit"] = float(variables["misfit"].max())
+    if "constrained" in files:
+        summary["displacement_misfit"] = float(opened[files["constrained"]].attrs["displacement_misfit"])
     true, true_shape = None, None
     if truth is not None:
         true = material_of(truth)
         true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
+        if "constrained" in files:
+            _judge_constrained(opened[files["constrained"]], mesh, F, kind, variables, summary)
     elif printed:
         flipped = config.specimens[case.specimen].shape_flipped
         true_shape = _judge_printed(printed, flipped, measurement, mesh, shape, summary)
@@ -239,6 +244,21 @@ def _cell_means(truth, true, mesh, F):
     return np.moveaxis(means.reshape(len(low), *P.shape[:2], 2, 2), 0, -3)
 
 
+def _seen_mode(kind: str) -> int:
+    """Index of the judged mode that is closest to a kind of load."""
+    if kind in ("equibiaxial", "biaxial"):
+        return MODES.index("equibiaxial")
+    return MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+
+
+def _judge_constrained(constrained, mesh, F, kind, variables, summary):
+    """Where the error comes from: the constrained field against the truth, and the networks against that field."""
+    seen = _seen_mode(kind)
+    P = stress_at_common_F(material_of(constrained), mesh.centres, F[seen : seen + 1])[0]
+    summary["stress_error_constrained"] = relative_error(P, variables["P_true"][seen], mesh.areas)
+    summary["network_error"] = relative_error(variables["P_identified"][seen], P, mesh.areas)
+
+
 def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
     """Compare with the true material; fills ``variables`` and ``summary``, returns the true shape."""
     X, areas = mesh.centres, mesh.areas
@@ -260,11 +280,7 @@ def _judge_truth(truth, true, found, mesh, F, kind, variables, summary):
     for side in range(2):
         nodal[side, corner[true_shape == bool(side)].ravel()] = True
     band = nodal.all(axis=0)[corner].any(axis=1)
-    seen = (
-        MODES.index("equibiaxial")
-        if kind in ("equibiaxial", "biaxial")
-        else MODES.index("strip_x" if kind.endswith("x") else "strip_y")
-    )
+    seen = _seen_mode(kind)
     error, correlation = contrast(P[seen], P_true[seen], areas)
     variables |= {
         "P_true": P_true,

@@ -1,4 +1,4 @@
-"""Stage 11: the identified phases in sheets of one phase each, against those sheets' own tests."""
+"""Stage 11: what was identified, in sheets of one phase each and in frames that were not used, against their tests."""
 
 import json
 from collections.abc import Mapping
@@ -15,6 +15,8 @@ from hypernode.storage.netcdf import read, units_of, write
 
 #: Phases by the value of an evaluation's ``shape``.
 PHASES = ("matrix", "inclusion")
+#: The identified field itself, in other frames of its own test.
+WHOLE = "whole"
 
 
 def typical_place(evaluation, phase: str):
@@ -34,11 +36,11 @@ def typical_place(evaluation, phase: str):
 
 
 def pulled_sheet(measurement, node, node_params, progress: Progress):
-    """Resultants (step, edge, i) of a sheet of one material whose outline moves as it was measured.
+    """Resultants (step, edge, i) of a sheet whose outline moves as it was measured.
 
     Args:
         measurement: measurement file of the sheet.
-        node, node_params: the material and its weights at one point.
+        node, node_params: the material and its weights, at one point or at every cell's centre (cell, weight).
 
     Raises:
         ConvergenceError: a step has no equilibrium.
@@ -48,7 +50,7 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
     solver = EquilibriumSolver(
         mesh,
         lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
-        {"node": jnp.tile(node_params, (len(mesh.cells), 1))},
+        {"node": jnp.broadcast_to(node_params, (len(mesh.cells), node_params.shape[-1]))},
     )
     forces = []
     for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
@@ -68,24 +70,24 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
 def run(name: str, references: Mapping[str, str], files: Mapping[str, str], output: str, attributes: dict) -> None:
     """Pull every reference sheet and compare its forces with those measured.
 
-    The material of a phase is the identified one at its typical place. The error is the root mean square over the
-    largest measured force of the sheet.
+    The material of a phase is the identified one at its typical place; the whole is the identified field. The error
+    is the root mean square over the largest measured force of the sheet.
 
     Args:
         name: case of the identified specimen.
-        references: phase -> case of the sheet that consists of it.
+        references: phase -> case of the sheet that consists of it, ``whole`` -> case of other frames of the test.
         files: ``evaluation``, ``material``, and a measurement file by phase.
     """
     evaluation, material = read(files["evaluation"]), read(files["material"])
     node, params_at = parameter_field(material)
     measured, found, stretch, test = [], [], [], []
-    phases = [phase for phase in PHASES if phase in references]
+    phases = [phase for phase in (*PHASES, WHOLE) if phase in references]
     sheets = [read(files[phase]) for phase in phases]
     progress = Progress("references", name, sum(sheet.sizes["load_step"] for sheet in sheets))
     errors = {}
     for index, (phase, sheet) in enumerate(zip(phases, sheets, strict=True)):
-        weights = jnp.asarray(np.asarray(params_at(typical_place(evaluation, phase)).T, float)[0])
-        forces = pulled_sheet(sheet, node, weights, progress)
+        places = mesh_of(sheet).centres if phase == WHOLE else typical_place(evaluation, phase)
+        forces = pulled_sheet(sheet, node, jnp.asarray(np.asarray(params_at(places).T, float)), progress)
         true = sheet["edge_force"].values
         known = np.isfinite(true)
         errors[phase] = float(np.sqrt(np.mean((forces - true)[known] ** 2)) / np.abs(true[known]).max())
@@ -101,7 +103,7 @@ def run(name: str, references: Mapping[str, str], files: Mapping[str, str], outp
             "edge_force": np.concatenate(measured),
             "edge_force_identified": np.concatenate(found),
         },
-        f"homogeneous sheets with the phases of {name}",
+        f"other tests with what was identified in {name}",
         {
             **attributes,
             "units": units_of(material),
