@@ -235,8 +235,10 @@ def check_config(raw, source="config", root=None) -> Config:
         if geometry.shape == "image" and not Path(geometry.path).is_file():
             line = _line(root, ("geometries", name, "path")) or "?"
             raise ConfigError(f"{source}:{line}: geometries.{name}.path = {geometry.path!r}: no such file")
+    # A sheet that others are compared with needs none.
+    compared = {other for case in cases.values() for other in case.references.values()}
     for name, case in cases.items():
-        if not case.methods:
+        if not case.methods and name not in compared:
             raise ConfigError(f"{source}: cases.{name}.methods: list at least one method ({', '.join(config.methods)})")
         if case.inclusion is None and not case.specimen and config.geometries[case.geometry].shape != "uniform":
             raise ConfigError(f"{source}: cases.{name}: the geometry '{case.geometry}' needs an inclusion material")

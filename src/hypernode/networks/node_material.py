@@ -1,5 +1,6 @@
 """The material at a point as a sum of neural-ODE terms (``eq_strain energy density function_general``)."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import jax
@@ -45,6 +46,11 @@ class NodeMaterial:
     share: float = 0.1
     scaled: bool = False
     potential: str = "node"
+
+    def with_units_as_data(self) -> "NodeMaterial":
+        """The same material whose two units are arrays, so that it is compiled once whatever they are."""
+        units = {key: jnp.full(1, getattr(self, key), jnp.float32) for key in ("invariant_scale", "stress_scale")}
+        return dataclasses.replace(self, **units)
 
     @property
     def _function(self) -> Potential:

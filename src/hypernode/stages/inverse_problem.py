@@ -1,6 +1,7 @@
 """What the three hyper-network stages share: data on the grid, the network, its file."""
 
 import dataclasses
+import functools
 import json
 from collections.abc import Mapping
 
@@ -52,6 +53,7 @@ class InverseProblem:
         mesh: the measured grid; ``X`` are its cell centres scaled to the longest side (cell, 2).
         F: deformation gradient at the centres [i, J, step, cell].
         gaps: one equilibrium measure a test.
+        spec: fields of the neural-ODE material.
         centre: homogenised parameters, about which the prior is centred.
     """
 
@@ -60,7 +62,7 @@ class InverseProblem:
     X: jax.Array
     F: jax.Array
     loading: Loading
-    node: NodeMaterial
+    spec: dict
     centre: jax.Array
     length: float
     units: dict
@@ -86,7 +88,7 @@ class InverseProblem:
             jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32),
             jnp.asarray(field_gradient(read(files["field"])), jnp.float32),
             Loading.of(measurement),
-            NodeMaterial(**spec),
+            spec,
             jnp.asarray(homogenised["node_params"].values, jnp.float32),
             length,
             units_of(measurement),
@@ -94,6 +96,11 @@ class InverseProblem:
             float(measurement["stretch"].values.max()),
             files,
         )
+
+    @functools.cached_property
+    def node(self) -> NodeMaterial:
+        """The material at a point, as training uses it."""
+        return NodeMaterial(**self.spec).with_units_as_data()
 
     @property
     def scale(self):
@@ -164,7 +171,7 @@ class InverseProblem:
                 **attributes,
                 "units": self.units,
                 "material_kind": "node",
-                "node": json.dumps(dataclasses.asdict(self.node)),
+                "node": json.dumps(self.spec),
                 "hypernetwork": self.hypernetwork,
                 "length_scale": self.length,
             },

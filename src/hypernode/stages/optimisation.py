@@ -23,6 +23,21 @@ def make_optimiser(algorithm: str, learning_rate: float, iterations: int) -> opt
     return optax.contrib.muon(schedule) if algorithm == "muon" else optax.adam(schedule)
 
 
+def data_as_arguments(loss: Callable, params, key):
+    """(function of (data, params, key), data) for a loss that closes over its data.
+
+    Arrays that a compiled function closes over are part of its program, so that every case would compile its own.
+    As arguments they are not, and cases of the same shapes share what was compiled once.
+    """
+    traced = jax.make_jaxpr(loss)(params, key)
+
+    def evaluate(data, params, key):
+        (value,) = jax.core.eval_jaxpr(traced.jaxpr, data, *jax.tree.leaves((params, key)))
+        return value
+
+    return evaluate, traced.consts
+
+
 def minimise(
     loss: Callable, params, settings, *, stage: str, case: str, seed: int
 ) -> tuple[object, np.ndarray, np.ndarray]:
@@ -47,14 +62,15 @@ def minimise(
         return params, np.array([value], np.float32), np.array([0])
     optimiser = make_optimiser(settings.algorithm, settings.learning_rate, iterations)
     length = min(CHUNK, iterations)
+    evaluate, data = data_as_arguments(loss, params, jax.random.key(seed))
 
     @jax.jit
-    def chunk(params, state, key):
+    def chunk(data, params, state, key):
         """A block of optimiser steps, compiled once."""
 
         def step(carry, key):
             params, state = carry
-            value, gradient = jax.value_and_grad(loss)(params, key)
+            value, gradient = jax.value_and_grad(evaluate, argnums=1)(data, params, key)
             updates, state = optimiser.update(gradient, state, params)
             return (optax.apply_updates(params, updates), state), value
 
@@ -66,7 +82,7 @@ def minimise(
     losses, steps = [], []
     for start in range(0, iterations, length):
         key, now = jax.random.split(key)
-        params, state, values = chunk(params, state, now)
+        params, state, values = chunk(data, params, state, now)
         values = np.asarray(values)
         if not np.isfinite(values).all():
             bad = start + int(np.flatnonzero(~np.isfinite(values))[0])
