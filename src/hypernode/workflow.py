@@ -153,8 +153,8 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
     return files
 
 
-def table_inputs(config: Config, name: str, runs: list[tuple[str, str]]) -> list[str]:
-    """Evaluation files of the runs in a table."""
+def table_inputs(config: Config, name: str, runs: list[tuple[str, str]], cases: list[str]) -> list[str]:
+    """Evaluation files of the runs in a table, of ``runs`` that there are; ``cases`` are those that are present."""
     table = config.tables[name]
     if table.kind == "settings":
         return []
@@ -163,8 +163,7 @@ def table_inputs(config: Config, name: str, runs: list[tuple[str, str]]) -> list
     if table.kind == "validation":
         stage, chosen = "validation", [run for run in chosen if config.cases[run[0]].unseen_loads]
     if table.kind == "references":
-        present = {case for case, _ in runs}
-        stage, chosen = "references", [run for run in chosen if _has_references(config, run[0], present)]
+        stage, chosen = "references", [run for run in chosen if _has_references(config, run[0], cases)]
     return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen]
 
 

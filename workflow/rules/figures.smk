@@ -27,7 +27,7 @@ rule figure:
 
 rule table:
     input:
-        lambda w: table_inputs(CONFIG, w.table, RUNS),
+        lambda w: table_inputs(CONFIG, w.table, RUNS, CASES),
     output:
         csv=report(
             "results/tables/{table}.csv",
