@@ -38,6 +38,7 @@ report: $(VENV)/run
 
 bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py
+	$(BIN)/python benchmarks/whole_case.py X P_soft ring_low
 	$(BIN)/python benchmarks/forward_size.py
 	$(BIN)/python benchmarks/provenance.py
 
