@@ -151,17 +151,9 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     elif printed:
         flipped = config.specimens[case.specimen].shape_flipped
         true_shape = _judge_printed(printed, flipped, measurement, mesh, shape, summary)
-    if true_shape is not None:
-        variables["shape_true"] = true_shape.astype(np.int64)
-        summary |= {
-            "dice": dice(shape, true_shape),
-            "iou": intersection_over_union(shape, true_shape),
-            "boundary_distance": boundary_distance(mesh, shape, true_shape),
-        }
+    _judge_shape(mesh, field, shape, true_shape, variables, summary)
     places = X[most_interior(mesh, shape if true is None else true_shape)]
     _judge_curves(found, true, places, np.linspace(1.0, largest, CURVE_POINTS), kind, variables, summary)
-    if shape.any() and not shape.all():
-        summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
     if "F_truth" in measurement:
         _judge_noise(mesh, measurement, {"smoothed": gradient["F"].values, "used": F_seen}, variables, summary)
     write(
@@ -202,6 +194,19 @@ def _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary):
         "equilibrium_residual": float(residual.max()),
         "equilibrium_gap": float(gap.max()),
     }
+
+
+def _judge_shape(mesh, field, shape, true_shape, variables, summary):
+    """How much stiffer the found inclusion is, and how well it covers the true or printed one where that is known."""
+    if shape.any() and not shape.all():
+        summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
+    if true_shape is not None:
+        variables["shape_true"] = true_shape.astype(np.int64)
+        summary |= {
+            "dice": dice(shape, true_shape),
+            "iou": intersection_over_union(shape, true_shape),
+            "boundary_distance": boundary_distance(mesh, shape, true_shape),
+        }
 
 
 def _judge_curves(found, true, places, stretch, kind, variables, summary):
