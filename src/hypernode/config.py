@@ -223,7 +223,7 @@ class Training(Optimiser):
 class Constrained(Section):
     """Equilibrium as a constraint: the field of convex-basis coefficients that explains the test.
 
-    ``further_terms`` are tried beside ``terms`` where those leave displacements unexplained.
+    ``further_terms`` are tried beside ``terms`` where those do not explain the test.
     ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
     jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
     relative error of the load cell.

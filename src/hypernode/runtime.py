@@ -50,8 +50,14 @@ def claim_cores(count: int) -> list[int]:
 
 
 def die_with_parent() -> None:
-    """Ask the kernel to kill this process when its parent dies, so that no orphan goes on computing."""
+    """Ask the kernel to kill this process when its parent dies, so that no orphan goes on computing.
+
+    Where the parent died while this process was still starting, the kernel has nobody left to watch. This process
+    then belongs to another one, of another session, and ends here.
+    """
     ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getsid(os.getppid()) != os.getsid(0):
+        os._exit(1)
 
 
 class _Tee:

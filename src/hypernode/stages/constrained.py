@@ -10,6 +10,7 @@ valleys that all coefficients together make. From there the other terms are rele
 """
 
 import dataclasses
+import functools
 import json
 import sys
 
@@ -145,9 +146,12 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         IdentificationError: no equilibrium at the homogeneous start.
     """
 
+    @functools.cache
+    def problem_of(*terms):
+        return FieldProblem(measurement, settings.model_copy(update={"terms": list(terms)}))
+
     def with_terms(terms, before, more_follow=False):
-        problem = FieldProblem(measurement, settings.model_copy(update={"terms": terms}))
-        reached = descend(problem, settings, name, before, more_follow)
+        reached = descend(problem_of(*terms), settings, name, before, more_follow)
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 

@@ -41,14 +41,14 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
         scaled=method.node.scaled,
         potential=method.node.potential,
     )
-    data = node.with_units_as_data()
+    fitted = node.with_units_as_data()
     start = node.initial_params(jax.random.key(method.seed))
     target = jnp.asarray(loading.P_average, jnp.float32)
     known = jnp.asarray(np.einsum("si,iJ->siJ", loading.measured, np.eye(2)), jnp.float32)
     scale = jnp.asarray(loading.scale, jnp.float32)[:, None, None]
 
     def predicted(params):
-        return jnp.moveaxis(node_stress(data, mean_F, params[:, None])[..., 0], -1, 0)
+        return jnp.moveaxis(node_stress(fitted, mean_F, params[:, None])[..., 0], -1, 0)
 
     def loss(params, key):
         ode, _, constants, _ = node.split(params)
