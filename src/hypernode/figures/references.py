@@ -28,7 +28,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
     edge = EDGE_NAMES.index(("right", "top")[axis])
     units = units_of(data)
     with plt.rc_context(RC):
-        figure, axes = plt.subplots(figsize=(3.4, 2.6), layout="constrained")
+        figure, axes = plt.subplots(figsize=(3.4, 3.5), layout="constrained")
         for index, label in enumerate(tests):
             phase = label.split(":")[0]
             colour, shown = SHOWN[phase]
@@ -44,5 +44,6 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         axes.set_xlabel("mean stretch [-]")
         axes.set_ylabel("force" + unit_label(units["force"]))
         axes.set_ylim(bottom=0.0)
-        axes.legend(frameon=False)
+        # Above the axes: inside, a legend of six lines hides points.
+        figure.legend(loc="outside upper left", frameon=False)
         save(figure, files, provenance, inputs.values())
