@@ -274,7 +274,7 @@ def _line_search(objective, params, states, sigma, linear, change, before, longe
                 guess = state.u.ravel().copy()
                 guess[state.free] += fraction * d
                 guesses.append(guess.reshape(-1, 2))
-            reached = objective.problem.states(trial, guesses)
+            reached = objective.problem.states(trial, guesses, linear.factors)
             if reached is not None:
                 after = objective.value(trial, reached, sigma)
                 if after < before:

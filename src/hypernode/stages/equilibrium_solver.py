@@ -28,6 +28,8 @@ from hypernode.mechanics.stress import first_piola_kirchhoff
 
 MAX_ITERATIONS = 20
 MAX_BISECTIONS = 6
+#: Share of the residual that may remain after a step with old factors before new ones are made.
+SLOW = 0.1
 
 
 class ConvergenceError(ExpectedError, RuntimeError):
@@ -54,17 +56,17 @@ def _import_jax_fem():
 
 
 class Equilibrium(NamedTuple):
-    """Where Newton's method ended: displacement, relative residuals, nodal forces, tangent."""
+    """Where Newton's method ended: displacement, relative residuals, nodal forces."""
 
     u: np.ndarray | None
     history: list[float]
     force: np.ndarray
-    tangent: scipy.sparse.csc_matrix
 
 
 def factorise(matrix) -> scipy.sparse.linalg.SuperLU:
-    """Sparse factors of a symmetric matrix."""
-    return scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    """Sparse factors of a symmetric matrix, whose symmetric ordering no pivot disturbs."""
+    symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    return scipy.sparse.linalg.splu(matrix.tocsc(), **symmetric)
 
 
 class EquilibriumSolver:
@@ -87,12 +89,41 @@ class EquilibriumSolver:
 
                 return tensor_map
 
+            def pre_jit_fns(self):
+                super().pre_jit_fns()
+                self.kernel_jac = jax.jit(jax.vmap(cell_tangent))
+
+            def split_and_compute_cell(self, cells_sol_flat, np_version, jac_flag, internal_vars):
+                # One compiled call: the twenty slices that spare a small device's memory take as long again.
+                kernel = self.kernel_jac if jac_flag else self.kernel
+                geometry = self.physical_quad_points, self.shape_grads, self.JxW, self.v_grads_JxW
+                return kernel(cells_sol_flat, *geometry, *internal_vars)
+
+        def cell_tangent(u, points, gradient, weight, weighted_gradient, *values):
+            """(nodal forces (8,), their derivative (8, 8)) of one cell, by the chain rule through F.
+
+            Four derivatives at a quadrature point, of P with respect to F, where JAX-FEM takes eight of the
+            whole cell, one a nodal displacement.
+            """
+
+            def stress_at(F, *values):
+                P = stress(F, dict(zip(names, values, strict=True)))
+                return P, P
+
+            F = jnp.eye(2) + jnp.einsum("ai,qaJ->qiJ", u.reshape(4, 2), gradient)
+            A, P = jax.vmap(jax.jacfwd(stress_at, has_aux=True))(F, *values)
+            force = jnp.einsum("q,qaJ,qiJ->ai", weight[0], gradient, P)
+            stiffness = jnp.einsum("q,qaJ,qiJkL,qbL->aibk", weight[0], gradient, A, gradient)
+            return force.ravel(), stiffness.reshape(8, 8)
+
         if not jax.config.jax_enable_x64:
             raise RuntimeError("finite elements need float64: enable jax_enable_x64 first")
         self.mesh = mesh
         mesh_fem = jax_fem.generate_mesh.Mesh(mesh.nodes, mesh.cells, ele_type="QUAD4")
         self._problem = Sheet(mesh_fem, vec=2, dim=2, ele_type="QUAD4", gauss_order=2)
         self.set_parameters(point_parameters)
+        problem = self._problem
+        self._residual = jax.jit(lambda u, values: problem.compute_residual_vars([u], values, [])[0])
 
     def set_parameters(self, point_parameters: Mapping) -> None:
         """Replace the material parameters; shapes must stay the same."""
@@ -118,7 +149,7 @@ class EquilibriumSolver:
 
     def internal_force(self, u: Float[np.ndarray, "node 2"]) -> Float[np.ndarray, "node 2"]:
         """Nodal forces that hold the sheet in the state ``u``, per unit thickness."""
-        return np.asarray(self._problem.compute_residual([jnp.asarray(u)])[0])
+        return np.asarray(self._residual(jnp.asarray(u), self._problem.internal_vars))
 
     def tangent(self, u: Float[np.ndarray, "node 2"]):
         """(nodal forces as a flat vector, sparse tangent stiffness) in the state ``u``."""
@@ -142,11 +173,15 @@ class EquilibriumSolver:
                 mask[corner, component] = True
         return np.flatnonzero(mask.ravel())
 
-    def newton(self, u, fixed, tolerance: float = 1e-10):
+    def newton(self, u, fixed, tolerance: float = 1e-10, factor=None):
         """Equilibrium from the guess ``u``, whose ``fixed`` degrees of freedom stay as they are.
 
         Converged when the free residual is below ``tolerance`` times the reaction norm, or below
         it times the norm at the first guess where there is no reaction.
+
+        Args:
+            factor: factors of the free tangent of a state near by. They serve as long as every step with them
+                leaves little of the residual, which costs a fraction of a step with factors of its own.
 
         Returns:
             The state reached; its ``u`` is None where Newton's method does not converge.
@@ -154,18 +189,20 @@ class EquilibriumSolver:
         free = np.setdiff1d(np.arange(u.size), fixed)
         u, history = u.copy(), []
         for _ in range(MAX_ITERATIONS):
-            residual, K = self.tangent(u)
+            residual = self.internal_force(u).ravel()
             scale = max(np.linalg.norm(residual[fixed]), 1e-300)
             history.append(np.linalg.norm(residual[free]) / scale)
             if not np.isfinite(history[-1]) or history[-1] > 1e8:
                 break
             if history[-1] <= tolerance:
-                return Equilibrium(u, history, residual, K)
-            factor = factorise(K[free][:, free])
+                return Equilibrium(u, history, residual)
+            if factor is None or (len(history) > 1 and history[-1] > SLOW * history[-2]):
+                _, K = self.tangent(u)
+                factor = factorise(K[free][:, free])
             step = np.zeros(u.size)
             step[free] = factor.solve(residual[free])
             u = u - step.reshape(u.shape)
-        return Equilibrium(None, history, residual, K)
+        return Equilibrium(None, history, residual)
 
     def solve(self, load: Load, progress: Callable = lambda step, history: None):
         """Displacements at every load step, each started from the last plus an affine increment.

@@ -41,9 +41,7 @@ class State:
 
     u: np.ndarray
     force: np.ndarray
-    tangent: scipy.sparse.csc_matrix
     free: np.ndarray
-    factor: scipy.sparse.linalg.SuperLU
 
 
 @dataclasses.dataclass
@@ -122,25 +120,31 @@ class FieldProblem:
         loading, area = self.loading, self.mesh.areas / self.mesh.areas.sum()
         mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.mesh, self.u), area))
         target = np.stack([loading.P_average[:, i, i] for i in range(2)])
-        stress = jax.jit(self.basis.stress)
         start = self.basis.start
         start[0] = np.log(0.3 * loading.scale.max())
 
-        def misfit(params, steps):
-            P = np.asarray(stress(mean_F, jnp.asarray(params)[:, None]))
-            relative = (np.stack([P[0, 0], P[1, 1]]) - target) / loading.scale
-            return relative[:, steps][loading.measured.T[:, steps]]
+        def relative(params):
+            P = self.basis.stress(mean_F, params[:, None])
+            return (jnp.stack([P[0, 0], P[1, 1]]) - target) / loading.scale
+
+        value, derivative = jax.jit(relative), jax.jit(jax.jacfwd(relative))
+
+        def measured(values, steps):
+            return np.asarray(values)[:, steps][loading.measured.T[:, steps]]
 
         # Fibres begin above zero, where they have a gradient, but the plainest material has none.
         plainest = np.array([0.0 if key in FIBRE_VECTOR else p for key, p in zip(self.basis.names, start, strict=True)])
 
         def fit(ridge, steps):
+            ridges = ridge * np.eye(len(start))[1:]
             return least_squares(
-                lambda p: np.concatenate([100.0 * misfit(p, steps), ridge * (p - plainest)[1:]]), start
+                lambda p: np.concatenate([100.0 * measured(value(p), steps), ridges @ (p - plainest)]),
+                start,
+                jac=lambda p: np.concatenate([100.0 * measured(derivative(p), steps), ridges]),
             ).x
 
         tests = [loading.test == k for k in range(loading.test.max() + 1)]
-        closest = [np.sqrt(np.mean(misfit(fit(WEAK_RIDGE, steps), steps) ** 2)) for steps in tests]
+        closest = [np.sqrt(np.mean(measured(value(fit(WEAK_RIDGE, steps)), steps) ** 2)) for steps in tests]
         return fit(STRONG_RIDGE, slice(None)), np.array(closest)
 
     def _edge_forces(self, measurement, relative: Float[np.ndarray, " step"]) -> None:
@@ -175,16 +179,22 @@ class FieldProblem:
 
         return jax.jacfwd(nodal)(params)
 
-    def states(self, params: Float[np.ndarray, "cell parameter"], guesses) -> list[State] | None:
-        """Equilibrium of every load step, or None where Newton's method fails for one."""
+    def states(self, params: Float[np.ndarray, "cell parameter"], guesses, factors=None) -> list[State] | None:
+        """Equilibrium of every load step, or None where Newton's method fails for one.
+
+        Args:
+            guesses: displacement of every step to begin from.
+            factors: factors of the free tangents of states near by.
+        """
         self.solver.set_parameters({"params": params})
         found = []
-        for guess, fixed, free in zip(guesses, self.fixed, self.free, strict=True):
-            reached = self.solver.newton(guess, fixed, NEWTON_TOLERANCE)
+        for guess, fixed, free, factor in zip(
+            guesses, self.fixed, self.free, factors or [None] * len(guesses), strict=True
+        ):
+            reached = self.solver.newton(guess, fixed, NEWTON_TOLERANCE, factor)
             if reached.u is None:
                 return None
-            factor = factorise(reached.tangent[free][:, free])
-            found.append(State(reached.u, reached.force, reached.tangent, free, factor))
+            found.append(State(reached.u, reached.force, free))
         return found
 
     def extension(self, params) -> list[np.ndarray]:
@@ -207,11 +217,13 @@ class FieldProblem:
     def linearise(self, params, states: list[State], sigma: float) -> "Linearised":
         """Derivative of the residuals with respect to the parameters, by implicit differentiation."""
         shape = (self.u[0].size, params.size)
-        B = []
+        self.solver.set_parameters({"params": params})
+        tangents, B = [], []
         for state in states:
+            tangents.append(self.solver.tangent(state.u)[1])
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
             B.append(scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape))
-        return Linearised(states, B, self.observe, self.forces, sigma)
+        return Linearised(states, tangents, B, self.observe, self.forces, sigma)
 
 
 class Linearised:
@@ -221,14 +233,17 @@ class Linearised:
     factors of K serve both products, so that each costs one back-substitution a load step.
     """
 
-    def __init__(self, states, B, observe, forces, sigma):
-        self.states, self.B, self.forces, self.sigma = states, B, forces, sigma
-        self._observe = [W[:, s.free] for W, s in zip(observe, states, strict=True)]
-        self._stiffness = [(states[f.step].tangent @ f.direction)[states[f.step].free] for f in forces]
+    def __init__(self, states, tangents, B, observe, forces, sigma):
+        self.B, self.forces, self.sigma = B, forces, sigma
+        self._free = [s.free for s in states]
+        self.factors = [factorise(K[free][:, free]) for K, free in zip(tangents, self._free, strict=True)]
+        self._observe = [W[:, free] for W, free in zip(observe, self._free, strict=True)]
+        self._stiffness = [(tangents[f.step] @ f.direction)[self._free[f.step]] for f in forces]
 
     def displacement(self, change) -> list[np.ndarray]:
         """First-order change of the free displacements of every step."""
-        return [-s.factor.solve((B @ change)[s.free]) for s, B in zip(self.states, self.B, strict=True)]
+        steps = zip(self.factors, self.B, self._free, strict=True)
+        return [-factor.solve((B @ change)[free]) for factor, B, free in steps]
 
     def forward(self, change):
         """J change, as (displacement parts, force part)."""
@@ -242,13 +257,13 @@ class Linearised:
     def adjoint(self, u_parts, f_part):
         """J^T residual."""
         total = 0.0
-        for step, (state, B) in enumerate(zip(self.states, self.B, strict=True)):
+        for step, (factor, B, free) in enumerate(zip(self.factors, self.B, self._free, strict=True)):
             load = self._observe[step].T @ u_parts[step] / self.sigma
             full = np.zeros(B.shape[0])
             for f, stiffness, value in zip(self.forces, self._stiffness, f_part, strict=True):
                 if f.step == step:
                     load = load + stiffness * (value / f.sigma)
                     full += f.direction * (value / f.sigma)
-            full[state.free] -= state.factor.solve(load)
+            full[free] -= factor.solve(load)
             total = total + B.T @ full
         return total
