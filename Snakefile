@@ -86,6 +86,12 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/crate.smk"
 
 
+onstart:
+    # Snakemake's limit of submissions a second means nothing on one machine, but with one its scheduler wakes once a
+    # second for every job that has ever ended: after hundreds of jobs, a large share of a core.
+    workflow.scheduler.job_rate_limiter = None
+
+
 rule all:
     default_target: True
     input:

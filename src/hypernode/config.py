@@ -199,6 +199,8 @@ class Node(Section):
             raise ValueError(
                 "terms need I1 or I2: a material without an isotropic part has no stiffness across its fibres"
             )
+        if "J" in self.terms and ("I1" not in self.terms or any("I2" in term for term in self.terms)):
+            raise ValueError("terms with J need I1 and no I2: I2 needs the thickness, which J leaves open")
         return self
 
 
@@ -241,6 +243,8 @@ class Constrained(Section):
     def _fibres_first(self):
         if "across" in [*self.terms, *self.further_terms] and "fibre" not in self.terms:
             raise ValueError("the term across is a second family of fibres: add fibre to terms")
+        if "J" in self.further_terms or ("J" in self.terms and "I2" in [*self.terms, *self.further_terms]):
+            raise ValueError("the term J belongs to terms, without I2: I2 needs the thickness, which J leaves open")
         return self
 
 
@@ -286,6 +290,11 @@ class Method(Section):
             raise ValueError(
                 f"training.equilibrium '{self.training.equilibrium}' needs an interpolant: only that can be "
                 "differentiated"
+            )
+        if self.constrained and ("J" in self.constrained.terms) != ("J" in self.node.terms):
+            raise ValueError(
+                "J is in the terms of one of constrained and node only: the networks learn what the equilibrium "
+                "field found, so that both or neither must be compressible"
             )
         return self
 

@@ -11,11 +11,10 @@ from jaxtyping import Array, Float
 
 from hypernode.config import Frequencies
 from hypernode.mechanics.convex_basis import ConvexBasis
-from hypernode.mechanics.kinematics import Invariants, invariants
+from hypernode.mechanics.kinematics import REFERENCE, Invariants, invariants
 from hypernode.mechanics.materials import energy_density, energy_derivatives
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.node_material import NodeMaterial
-from hypernode.networks.terms import INVARIANTS
 from hypernode.networks.weights import from_arrays, make_network
 from hypernode.storage.netcdf import StorageError, read, units_of
 
@@ -29,6 +28,25 @@ def node_stress(
     """P[i, J, ...] of a neural-ODE material (equation ``Node_constitutive_predicting``)."""
     angle = material.fibre_angle(node_params)
     return first_piola_kirchhoff(F, material.energy_derivatives(invariants(F, angle), node_params), angle)
+
+
+def node_energy(
+    material: NodeMaterial, F: Float[Array, "2 2 ... point"], node_params: Float[Array, "size point"]
+) -> Float[Array, "... point"]:
+    """Energy density of a neural-ODE material, integrated from its derivatives.
+
+    Along the straight line from the undeformed invariants: Psi is a function of them, so any path would do.
+    """
+    points, weights = np.polynomial.legendre.leggauss(ENERGY_POINTS)
+    I = invariants(F, material.fibre_angle(node_params))
+
+    def along(s):
+        between = Invariants(*(r + s * (v - r) for r, v in zip(REFERENCE, I, strict=True)))
+        slope = material.energy_derivatives(between, node_params)
+        return sum(d * (v - r) for d, v, r in zip(slope, I, REFERENCE, strict=True))
+
+    at = jax.lax.map(along, jnp.asarray(0.5 * (points + 1.0), F.dtype))
+    return jnp.tensordot(jnp.asarray(0.5 * weights, F.dtype), at, 1)
 
 
 class Material:
@@ -135,23 +153,9 @@ def parameter_field(file: xr.Dataset):
 
 def _node(file: xr.Dataset) -> Material:
     material, params_at = parameter_field(file)
-    points, weights = np.polynomial.legendre.leggauss(ENERGY_POINTS)
-    points, weights = 0.5 * (points + 1.0), 0.5 * weights
-
-    def energy(F, node_params):
-        """Energy density, integrated from its derivatives."""
-        # Psi is a sum of functions of linear combinations of the invariants, so its integral along
-        # the straight line from the undeformed invariants is exact for any path.
-        I = invariants(F, material.fibre_angle(node_params))
-        reference = Invariants(**INVARIANTS)
-        total = 0.0
-        for s, w in zip(points, weights, strict=True):
-            between = Invariants(*(r + s * (v - r) for r, v in zip(reference, I, strict=True)))
-            slope = material.energy_derivatives(between, node_params)
-            total += w * sum(d * (v - r) for d, v, r in zip(slope, I, reference, strict=True))
-        return total
-
-    return Material(params_at, lambda F, p: node_stress(material, F, p), energy, units_of(file))
+    return Material(
+        params_at, lambda F, p: node_stress(material, F, p), lambda F, p: node_energy(material, F, p), units_of(file)
+    )
 
 
 _KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "node": _node}

@@ -4,8 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.optimize
 
-from hypernode.material import node_stress
+from hypernode.material import node_energy, node_stress
 from hypernode.mechanics.kinematics import REFERENCE, invariants
 from hypernode.mechanics.material_names import PARAMETERS
 from hypernode.mechanics.materials import MODELS, energy_density
@@ -15,9 +16,12 @@ from hypernode.stages.equilibrium_solver import closed_form_stress
 
 VALUES = {
     "mu": 1.3, "C10": 0.5, "C01": 0.2, "C20": 0.1, "C30": 0.02, "k1": 0.8, "k1w": 0.3, "k2": 0.4,
-    "kappa": 0.1, "fibre_angle": 0.6,
+    "kappa": 0.1, "fibre_angle": 0.6, "K": 2.1,
 }  # fmt: skip
-NODE = NodeMaterial(tuple(TERMS), (4, 4), 4, 0.4, 1.5)
+NODES = {
+    "node": NodeMaterial(tuple(term for term in TERMS if term != "J"), (4, 4), 4, 0.4, 1.5),
+    "compressible node": NodeMaterial(tuple(term for term in TERMS if "I2" not in term), (4, 4), 4, 0.4, 1.5),
+}
 F_SAMPLES = np.eye(2) + np.random.default_rng(3).uniform(-0.15, 0.25, (8, 2, 2))
 
 
@@ -26,13 +30,15 @@ def closed_form(name):
     return lambda F: closed_form_stress((name,))(F, params)
 
 
-def neural():
-    params = NODE.initial_params(jax.random.key(0)).astype(float)
+def neural(name):
+    node = NODES[name]
+    params = node.initial_params(jax.random.key(0)).astype(float)
     params = params.at[-1].set(0.7)
-    return lambda F: node_stress(NODE, F[..., None], params[:, None])[..., 0]
+    return lambda F: node_stress(node, F[..., None], params[:, None])[..., 0]
 
 
-LAWS = [pytest.param(closed_form(name), id=name) for name in MODELS] + [pytest.param(neural(), id="node")]
+LAWS = [pytest.param(closed_form(name), id=name) for name in MODELS]
+LAWS += [pytest.param(neural(name), id=name) for name in NODES]
 
 
 @pytest.mark.parametrize("stress", LAWS)
@@ -85,8 +91,42 @@ def test_invariants_of_the_undeformed_state():
     np.testing.assert_allclose(invariants(jnp.eye(2), 0.3), REFERENCE, rtol=1e-14)
 
 
-def test_node_energy_is_elliptic_along_rank_one_lines():
-    stress = neural()
+@pytest.mark.parametrize("stretch", [0.8, 1.0, 1.3])
+def test_a_compressible_sheet_has_the_thickness_that_no_stress_acts_on(stretch):
+    mu, K = VALUES["mu"], VALUES["K"]
+    F = np.array([[stretch, 0.1], [0.0, 1.1]])
+
+    def energy(F, t):
+        J = t * jnp.linalg.det(F)
+        return mu / 2 * (jnp.sum(F**2) + t**2 - 3 - 2 * jnp.log(J)) + K / 2 * (J - 1) ** 2
+
+    t = scipy.optimize.brentq(jax.grad(lambda t: energy(F, t)), 0.1, 5.0, xtol=1e-14)
+    params = {"model": jnp.zeros(()), "mu": mu, "K": K}
+    np.testing.assert_allclose(
+        energy_density(("compressible_neo_hookean",), invariants(F, 0.0), params), energy(F, t), rtol=1e-12
+    )
+    P = closed_form("compressible_neo_hookean")(jnp.asarray(F))
+    np.testing.assert_allclose(P, jax.grad(lambda F: energy(F, t))(F), rtol=1e-11)
+
+
+def test_a_compressible_sheet_that_hardly_changes_volume_is_the_incompressible_one():
+    params = {"model": jnp.zeros(()), "mu": 1.3, "K": 1e6}
+    for F in F_SAMPLES:
+        P = closed_form_stress(("compressible_neo_hookean",))(jnp.asarray(F), params)
+        np.testing.assert_allclose(P, closed_form("neo_hookean")(jnp.asarray(F)), rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_node_stress_is_the_derivative_of_the_energy_that_is_integrated_from_it(name):
+    node, F = NODES[name], jnp.moveaxis(jnp.asarray(F_SAMPLES), 0, -1)
+    params = jnp.tile(node.initial_params(jax.random.key(0)).astype(float)[:, None], (1, F.shape[-1]))
+    gradient = jax.jit(jax.grad(lambda F: jnp.sum(node_energy(node, F, params))))(F)
+    np.testing.assert_allclose(node_stress(node, F, params), gradient, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_node_energy_is_elliptic_along_rank_one_lines(name):
+    stress = neural(name)
     rng = np.random.default_rng(1)
     for F in F_SAMPLES:
         a, b = rng.normal(size=(2, 2))

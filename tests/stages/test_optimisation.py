@@ -21,7 +21,7 @@ def stress_loss(seed):
 
     def loss(params, key):
         at = jax.random.choice(key, 7, (5,), replace=False)
-        I = Invariants(strain[0, at], strain[1, at], jnp.ones(5), jnp.ones(5))
+        I = Invariants(strain[0, at], strain[1, at], jnp.ones(5), jnp.ones(5), jnp.ones(5))
         return jnp.mean((material.energy_derivatives(I, params[:, None]).I1 - target[at]) ** 2)
 
     return loss, jnp.linspace(-0.3, 0.3, material.size, dtype=jnp.float32)

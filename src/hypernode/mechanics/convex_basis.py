@@ -9,6 +9,14 @@ the stiffness jumps, only one of them does: the logarithm of c, log(1 + .) of c1
 fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and
 their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
 or turn. The family across, N, comes with the share q of their strength and ends where they do.
+
+With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
+alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
+
+Psi_J = c [ 2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3) ].
+
+With c3 = 1 and c4 = 0 a neo-Hookean sheet keeps its thickness when its area grows, with c3 = 0 and c4 = 1 its volume;
+any other does something in between.
 """
 
 from dataclasses import dataclass
@@ -34,6 +42,7 @@ PARAMETERS = {
     "I2": {"log1p_I2": 0.08},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
     "across": {"log1p_across": 0.02},
+    "J": {"log1p_J_area": 0.4, "log1p_J_volume": 0.4},
 }
 #: Parameters that together are the doubled-angle vector of the fibres.
 FIBRE_VECTOR = ("fibre_x", "fibre_y")
@@ -69,7 +78,7 @@ class ConvexBasis:
         return np.array([0.0, *(value for term in self.terms for value in PARAMETERS[term].values())])
 
     def energy(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "..."]:
-        """Energy density of an incompressible sheet in plane stress.
+        """Energy density of a sheet in plane stress.
 
         Args:
             F: in-plane deformation gradient F[i, J, ...].
@@ -77,8 +86,11 @@ class ConvexBasis:
         """
         p = dict(zip(self.names, params, strict=True))
         I = invariants(F, 0.0)
-        e1, e2 = I.I1 - 3.0, I.I2 - 3.0
+        e1, e2 = self._isotropic(I), I.I2 - 3.0
         total = e1
+        if "J" in self.terms:
+            total = total - 2.0 * (I.J - 1.0) + _coefficient(p["log1p_J_area"]) * 2.0 * (I.J - 1.0 - jnp.log(I.J))
+            total = total + _coefficient(p["log1p_J_volume"]) * (2.0 * I.J + 1.0 / I.J**2 - 3.0)
         if "I1_squared" in self.terms:
             total = total + _coefficient(p["log1p_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
@@ -91,7 +103,8 @@ class ConvexBasis:
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
         p = dict(zip(self.names, params, strict=True))
-        e1 = invariants(F, 0.0).I1 - 3.0
+        I = invariants(F, 0.0)
+        e1 = self._isotropic(I)
         dI1, dI2, S = jnp.ones_like(e1), jnp.zeros_like(e1), (0.0, 0.0, 0.0)
         if "I1_squared" in self.terms:
             dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * e1 / self.invariant_scale
@@ -103,7 +116,16 @@ class ConvexBasis:
                 slope = strength * share * E / self.invariant_scale
                 dI1 = dI1 + b * slope
                 S = tuple(known + 2.0 * (1.0 - b) * slope * component for known, component in zip(S, M, strict=True))
-        return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S)
+        dJ = 0.0
+        if "J" in self.terms:
+            # tr C = I1 - 1/J^2, the shear energy's -2 J, and the energy of the area.
+            dJ = 2.0 * dI1 / I.J**3 - 2.0 + 2.0 * _coefficient(p["log1p_J_area"]) * (1.0 - 1.0 / I.J)
+            dJ = dJ + 2.0 * _coefficient(p["log1p_J_volume"]) * (1.0 - 1.0 / I.J**3)
+        return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S, dJ)
+
+    def _isotropic(self, I):
+        """I1 - 3, or tr C - 2 where the sheet is compressible."""
+        return I.I1 - 1.0 / I.J**2 - 2.0 if "J" in self.terms else I.I1 - 3.0
 
     def _fibre(self, F, e1, p):
         """(strength k, dispersion b, families); a family is its share, (M11, M22, M12) and its strain E.

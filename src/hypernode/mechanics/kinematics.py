@@ -1,4 +1,4 @@
-"""Kinematics of a thin incompressible sheet in plane stress.
+"""Kinematics of a thin sheet in plane stress.
 
 Every array carries its tensor indices first and any batch axes after them: ``F[i, J, ...]``.
 One material point is then the special case without batch axes, and a field keeps its points
@@ -12,16 +12,17 @@ from jaxtyping import Array, Float
 
 
 class Invariants(NamedTuple):
-    """Values of (or coefficients for) the four invariants of C; every leaf has the batch shape."""
+    """Values of (or coefficients for) the invariants of a sheet; every leaf has the batch shape."""
 
     I1: Float[Array, "..."]
     I2: Float[Array, "..."]
     I4v: Float[Array, "..."]
     I4w: Float[Array, "..."]
+    J: Float[Array, "..."]
 
 
 #: The invariants of the undeformed state, F = I.
-REFERENCE = Invariants(3.0, 3.0, 1.0, 1.0)
+REFERENCE = Invariants(3.0, 3.0, 1.0, 1.0, 1.0)
 
 
 def right_cauchy_green(F: Float[Array, "2 2 ..."]):
@@ -33,11 +34,12 @@ def right_cauchy_green(F: Float[Array, "2 2 ..."]):
 
 
 def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> Invariants:
-    """Invariants of the incompressible sheet, with F33 = 1/J eliminated.
+    """Invariants of the incompressible sheet, with F33 = 1/J eliminated, and its in-plane J.
 
     I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2, I4v = v.C v, I4w = w.C w, where C and J belong to
     the in-plane F, v = (cos a, sin a) is the first fibre direction and w = (-sin a, cos a) the
-    second, perpendicular to it.
+    second, perpendicular to it. A compressible sheet has the same in-plane invariants, tr C = I1 - 1/J^2
+    and J; what its thickness does follows from them.
 
     Args:
         F: in-plane deformation gradient F[i, J, ...].
@@ -52,6 +54,7 @@ def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> 
         I2=J2 + trace / J2,
         I4v=c**2 * C11 + 2.0 * c * s * C12 + s**2 * C22,
         I4w=s**2 * C11 - 2.0 * c * s * C12 + c**2 * C22,
+        J=F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0],
     )
 
 

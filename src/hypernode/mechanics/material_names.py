@@ -2,7 +2,7 @@
 read it fast. Moduli in the stress unit of the test, fibre_angle in degrees."""
 
 #: Terms that the convex basis may have beside the neo-Hookean one.
-BASIS_TERMS = ("I1_squared", "I2", "fibre", "across")
+BASIS_TERMS = ("I1_squared", "I2", "fibre", "across", "J")
 
 _MODULUS, _ANY = (1e-12, 1e12), (-1e12, 1e12)
 
@@ -25,4 +25,5 @@ PARAMETERS = {
         "k2": (1e-6, 1e3),
         "fibre_angle": (-360.0, 360.0),
     },
+    "compressible_neo_hookean": {"mu": _MODULUS, "K": _MODULUS},
 }

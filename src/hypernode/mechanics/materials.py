@@ -64,6 +64,18 @@ def hgo(I: Invariants, p: Mapping) -> Float[Array, "..."]:
     )
 
 
+def compressible_neo_hookean(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+    """Psi = mu/2 (tr C + t^2 - 3 - 2 ln (J t)) + K/2 (J t - 1)^2, at the thickness stretch t for which S33 = 0.
+
+    t is the positive root of (mu + K J^2) t^2 - K J t - mu = 0, where Psi has its minimum.
+    """
+    mu, K, J = p["mu"], p["K"], I.J
+    a, b = mu + K * J**2, K * J
+    t = (b + jnp.sqrt(b**2 + 4.0 * a * mu)) / (2.0 * a)
+    trace = I.I1 - 1.0 / J**2
+    return 0.5 * mu * (trace + t**2 - 3.0 - 2.0 * jnp.log(J * t)) + 0.5 * K * (J * t - 1.0) ** 2
+
+
 MODELS: dict[str, ClosedForm] = {
     "neo_hookean": ClosedForm("mu/2 (I1 - 3)", ("mu",), (), neo_hookean),
     "mooney_rivlin": ClosedForm("C10 (I1 - 3) + C01 (I2 - 3)", ("C10", "C01"), (), mooney_rivlin),
@@ -80,10 +92,13 @@ MODELS: dict[str, ClosedForm] = {
         ("k2", "fibre_angle"),
         hgo,
     ),
+    "compressible_neo_hookean": ClosedForm(
+        "mu/2 (I1 - 3 - 2 ln J) + K/2 (J - 1)^2", ("mu", "K"), (), compressible_neo_hookean
+    ),
 }
 
 #: Values that keep an energy finite where a material point belongs to another model.
-NEUTRAL = {"k2": 1.0}
+NEUTRAL = {"k2": 1.0, "K": 1.0}
 
 
 def energy_density(

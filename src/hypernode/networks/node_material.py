@@ -23,6 +23,10 @@ class NodeMaterial:
     (where those terms exist) and of the terms' shares (where those are scaled), and the fibre angle (where
     a fibre term exists).
 
+    Without the term J the sheet is incompressible. With it the energy, whatever the thickness does, is a sum of
+    functions of tr C - 2 and of J - 1 in the plane, and a constant part c of dPsi/dI1 brings -2 c J, so that the
+    undeformed sheet is free of stress: c (tr C - 2 J) is the energy of shear alone, and the term J that of area.
+
     Attributes:
         terms: names in :data:`TERMS`.
         hidden: hidden widths of every neural ODE.
@@ -72,6 +76,11 @@ class NodeMaterial:
         return tuple(name for name in ("I1", "I2") if name in self.terms)
 
     @property
+    def compressible(self) -> bool:
+        """Whether the area of the sheet has an energy of its own."""
+        return "J" in self.terms
+
+    @property
     def has_fibres(self) -> bool:
         """Whether any term sees a fibre direction."""
         return any("4" in term for term in self.terms)
@@ -118,6 +127,8 @@ class NodeMaterial:
         weights, mixture, constants, _ = self.split(node_params)
         alpha = jax.nn.sigmoid(mixture)
         shifted = {name: getattr(I, name) - value for name, value in INVARIANTS.items()}
+        if self.compressible:
+            shifted["I1"] = I.I1 - 1.0 / I.J**2 - 2.0
         inputs, shares = [], []
         for term in self.terms:
             names = TERMS[term]
@@ -139,6 +150,9 @@ class NodeMaterial:
                 total[name] = total[name] + term_share[index] * s * values[..., index, :]
         for name, constant in zip(self.constants, constants, strict=False):
             total[name] = total[name] + jnp.exp(constant)
+        if self.compressible:
+            # tr C = I1 - 1/J^2, and what keeps the undeformed sheet free of stress.
+            total["J"] = total["J"] + 2.0 * total["I1"] / I.J**3 - 2.0 * jnp.exp(constants[0])
         return type(I)(**{name: self.stress_scale * value for name, value in total.items()})
 
     def initial_params(self, key: Array) -> Float[Array, " size"]:

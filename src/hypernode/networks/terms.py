@@ -1,11 +1,12 @@
 """The terms a neural-ODE material may have; free of imports so that the config can read it fast."""
 
 #: Invariants that a term may use, with their value at F = I.
-INVARIANTS = {"I1": 3.0, "I2": 3.0, "I4v": 1.0, "I4w": 1.0}
-#: Every term: one invariant, or a mixture alpha I_i + (1 - alpha) I_j of two.
+INVARIANTS = {"I1": 3.0, "I2": 3.0, "I4v": 1.0, "I4w": 1.0, "J": 1.0}
+_MIXED = [name for name in INVARIANTS if name != "J"]
+#: Every term: one invariant, or a mixture alpha I_i + (1 - alpha) I_j of two. With J the sheet is compressible.
 TERMS = {
     **{name: (name,) for name in INVARIANTS},
-    **{f"{a}_{b}": (a, b) for i, a in enumerate(INVARIANTS) for b in list(INVARIANTS)[i + 1 :]},
+    **{f"{a}_{b}": (a, b) for i, a in enumerate(_MIXED) for b in _MIXED[i + 1 :]},
 }
 #: Increasing functions that a term may be made of: a neural ODE, or what the literature uses in its place.
 POTENTIAL_NAMES = ("node", "icnn", "cann")

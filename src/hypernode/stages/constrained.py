@@ -42,6 +42,8 @@ CLOSE = 1.05
 #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained. The forces of
 #: good fields are missed by one to three uncertainties: a thousandth.
 UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
+#: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance.
+CHANCE = 3.0
 #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
 LINEAR_ITERATIONS = (60, 100)
 #: Residual at which they end, relative to the gradient: while the displacements are not explained, and
@@ -116,12 +118,16 @@ class Objective:
 
 @dataclasses.dataclass
 class Found:
-    """Where a descent ended: parameters by cell, equilibrium states, misfits in units of the noise."""
+    """Where a descent ended: parameters by cell, equilibrium states, misfits in units of the noise.
+
+    ``cost`` is the whole objective there, minus the logarithm of how probable the field is after the test.
+    """
 
     problem: FieldProblem
     params: np.ndarray
     states: list
     history: np.ndarray
+    cost: float
 
     @property
     def force_misfit(self) -> float:
@@ -134,13 +140,20 @@ class Found:
         """The larger of the two misfits over what is still taken to be explained: beyond one, it is not."""
         return max(self.history[-1] / UNEXPLAINED, self.force_misfit / FORCES_UNEXPLAINED)
 
+    @property
+    def doubtful(self) -> bool:
+        """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
+        count = sum(len(free) for free in self.problem.free)
+        by_chance = 1.0 + CHANCE / np.sqrt(2.0 * count)
+        return self.unexplained > 1.0 or (self.problem.noisy and self.history[-1] > by_chance)
+
 
 def identify(measurement, settings: Constrained, name: str) -> Found:
     """The material field that explains a measurement: the stiffness alone, then the terms of the basis.
 
-    Where that does not explain the test, other ways are tried until one does, and the best is kept: all terms at once
-    from the homogeneous sheet, since a stiffness that had to stand for other terms may mislead, and with the further
-    terms, which would only make longer valleys where they are not needed.
+    Where that leaves doubt, all terms at once are released from the homogeneous sheet, since a stiffness that had to
+    stand for other terms may mislead; where the test is still not explained, the further terms as well, which would
+    only make longer valleys where they are not needed. Of what was tried the most probable field is kept.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -155,17 +168,16 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 
-    found = plain = with_terms([], None, more_follow=bool(settings.terms))
-    if settings.terms:
-        ways = [(settings.terms, plain), (settings.terms, None)]
-        if settings.further_terms:
-            ways.append(([*settings.terms, *settings.further_terms], plain))
-        tried = []
-        for terms, before in ways:
-            tried.append(with_terms(terms, before))
-            if tried[-1].unexplained <= 1.0:
-                break
-        found = min(tried, key=lambda candidate: candidate.unexplained)
+    # Whether the sheet is compressible is no term among others: it says what the stiffness means.
+    first = [term for term in settings.terms if term == "J"]
+    found = plain = with_terms(first, None, more_follow=settings.terms != first)
+    if settings.terms != first:
+        tried = [with_terms(settings.terms, plain)]
+        if tried[0].doubtful:
+            tried.append(with_terms(settings.terms, None))
+        if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
+            tried.append(with_terms([*settings.terms, *settings.further_terms], plain))
+        found = min(tried, key=lambda each: each.cost)
     if found.history[-1] > UNEXPLAINED:
         print(
             f"warning: constrained field of {name}: displacements are missed by {found.history[-1]:.1f} times their "
@@ -189,7 +201,8 @@ def _first_field(problem: FieldProblem, before: Found | None):
     centre[:, fibre] = 0.0
     # Other terms of the homogeneous fit are stiffness too; only the differences between cells are kept.
     if before is not None:
-        params[:, 0] += before.params[:, 0] - before.problem.homogeneous[0]
+        known = [names.index(name) for name in before.problem.basis.names]
+        params[:, known] += before.params - before.problem.homogeneous
     if fibre and np.linalg.norm(params[0, fibre]) < SMALLEST_FIBRE:
         params[:, fibre] = SMALLEST_FIBRE, 0.0
     return params, centre
@@ -250,7 +263,8 @@ def descend(
             if settled or (more_follow and _on_plateau(history)):
                 break
         jumps.isotropic = jumps.isotropic or bool(close)
-    return Found(problem, params, states, np.array(history))
+    jumps.scale, jumps.isotropic = settings.jump_scale, True
+    return Found(problem, params, states, np.array(history), objective.value(params, states, problem.sigma))
 
 
 def _on_plateau(history) -> bool:

@@ -70,6 +70,7 @@ class FieldProblem:
         window = float(measurement.attrs["correlation_window"])
         floor = WINDOW_FLOOR if window > 0.0 else SAME_GRID_FLOOR
         self.sigma = max(noise, floor * np.abs(self.u).max())
+        self.noisy = noise >= self.sigma
         stretch = float(measurement["stretch"].values.max())
         self.basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
         cells = len(self.mesh.cells)
