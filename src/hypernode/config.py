@@ -228,7 +228,8 @@ class Constrained(Section):
     ``further_terms`` are tried beside ``terms`` where those do not explain the test.
     ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
     jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
-    relative error of the load cell.
+    relative error of the load cell. ``draws`` is how many fields that the test cannot tell from the best one are
+    kept, from ``seed``: they say how uncertain it is.
     """
 
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre"]
@@ -238,6 +239,8 @@ class Constrained(Section):
     jump_scale: Positive = 0.05
     force_noise: Positive = 5e-4
     tolerance: Positive = 5e-4
+    draws: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")
     def _fibres_first(self):

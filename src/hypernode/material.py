@@ -114,6 +114,19 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
     return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
 
 
+def drawn_material(file: xr.Dataset) -> Material | None:
+    """All draws of a constrained field as one material, or None where it has none.
+
+    Its positions are the cell centres, once for each draw.
+    """
+    basis, _ = basis_field(file)
+    names = [f"draw.{name}" for name in basis.names]
+    if names[0] not in file:
+        return None
+    params = jnp.asarray(np.stack([file[name].values.ravel() for name in names]))
+    return Material(lambda X: params, basis.stress, basis.energy, units_of(file))
+
+
 def _convex_basis(file: xr.Dataset) -> Material:
     basis, params = basis_field(file)
     cell = nearest_cell(file)

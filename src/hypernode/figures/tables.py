@@ -20,6 +20,8 @@ COLUMNS = {
     "misfit of u [noise]": ("displacement_misfit", ".2f"),
     "constrained field alone": ("stress_error_constrained", ".4f"),
     "networks against it": ("network_error", ".4f"),
+    "spread": ("spread", ".4f"),
+    "truth within two spreads": ("within_two_spreads", ".2f"),
     "correlation": ("correlation", ".3f"),
     "Dice": ("dice", ".3f"),
     "Dice, registered": ("dice_registered", ".3f"),

@@ -17,6 +17,7 @@ import sys
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
+from jaxtyping import Float
 
 from hypernode.config import Constrained
 from hypernode.errors import ExpectedError
@@ -55,6 +56,8 @@ CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
 #: Before more terms follow, the stiffness is good enough once its misfit has fallen by less than this share in this
 #: many iterations, or its cost by less than ``PLAIN_TOLERANCE`` in one.
 PLATEAU_SHARE, PLATEAU_ITERATIONS, PLAIN_TOLERANCE = 0.2, 3, 5e-3
+#: Conjugate-gradient iterations of a draw.
+DRAW_ITERATIONS = 200
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
@@ -91,17 +94,28 @@ class Objective:
         linear, gradient, curvature = self.data_model(params, states, sigma)
         regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
         gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
-        precondition = factorise(regular + scipy.sparse.diags(np.tile(CURVATURE_SHARE * curvature, len(params))))
-        size = (params.size, params.size)
-        operator = scipy.sparse.linalg.LinearOperator(size, lambda x: linear.adjoint(*linear.forward(x)) + regular @ x)
-        step, _ = scipy.sparse.linalg.cg(
-            operator,
-            -gradient,
-            rtol=LINEAR_TOLERANCE[int(explained)],
-            maxiter=LINEAR_ITERATIONS[int(self.jumps.scale is not None)],
-            M=scipy.sparse.linalg.LinearOperator(size, precondition.solve),
-        )
-        return linear, step
+        solve = _normal_equations(linear, regular, np.tile(CURVATURE_SHARE * curvature, len(params)))
+        iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
+        return linear, solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
+
+    def draws(self, params, states, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
+        """Fields that the test tells as little from the best one as its noise allows.
+
+        Samples of the Gaussian with the curvature of the objective there (Laplace's approximation): each answers to
+        data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
+        """
+        linear, _, curvature = self.data_model(params, states, self.problem.sigma)
+        root = np.sqrt(self.jump_weight) * self.jumps.root(params)
+        regular = root.T @ root + scipy.sparse.diags(self.ridge)
+        solve = _normal_equations(linear, regular.tocsc(), np.tile(CURVATURE_SHARE * curvature, len(params)))
+        u, f = self.problem.residuals(states)
+        random, fields = np.random.default_rng(seed), []
+        for _ in range(count):
+            disturbed = linear.adjoint([random.normal(size=r.shape) for r in u], random.normal(size=f.shape))
+            disturbed += root.T @ random.normal(size=root.shape[0])
+            disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
+            fields.append(params + solve(disturbed, LINEAR_TOLERANCE[0], DRAW_ITERATIONS).reshape(params.shape))
+        return np.array(fields)
 
     def data_model(self, params, states, sigma: float):
         """(linearisation, gradient of the misfits (flat), their mean second derivative by parameter).
@@ -116,6 +130,20 @@ class Objective:
         return linear, linear.adjoint([r / sigma for r in u], f), curvature
 
 
+def _normal_equations(linear, regular, curvature):
+    """(right-hand side, tolerance, iterations) -> solution with J^T J + ``regular``, by conjugate gradients.
+
+    Args:
+        curvature: share of the data's mean curvature, by parameter, that joins the preconditioner.
+    """
+    precondition = factorise(regular + scipy.sparse.diags(curvature))
+    operator = scipy.sparse.linalg.LinearOperator(
+        regular.shape, lambda x: linear.adjoint(*linear.forward(x)) + regular @ x
+    )
+    inverse = scipy.sparse.linalg.LinearOperator(regular.shape, precondition.solve)
+    return lambda b, rtol, maxiter: scipy.sparse.linalg.cg(operator, b, rtol=rtol, maxiter=maxiter, M=inverse)[0]
+
+
 @dataclasses.dataclass
 class Found:
     """Where a descent ended: parameters by cell, equilibrium states, misfits in units of the noise.
@@ -124,6 +152,7 @@ class Found:
     """
 
     problem: FieldProblem
+    objective: Objective
     params: np.ndarray
     states: list
     history: np.ndarray
@@ -264,7 +293,8 @@ def descend(
                 break
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic = settings.jump_scale, True
-    return Found(problem, params, states, np.array(history), objective.value(params, states, problem.sigma))
+    cost = objective.value(params, states, problem.sigma)
+    return Found(problem, objective, params, states, np.array(history), cost)
 
 
 def _on_plateau(history) -> bool:
@@ -312,6 +342,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "test", "stretch")}
     variables |= {"u": u, "loss": history, "loss_iteration": np.arange(len(history))}
     variables |= {f"basis.{key}": (("cell",), params[:, index]) for index, key in enumerate(problem.basis.names)}
+    if settings.draws:
+        draws = found.objective.draws(params, states, settings.draws, settings.seed)
+        variables |= {f"draw.{key}": (("draw", "cell"), draws[..., k]) for k, key in enumerate(problem.basis.names)}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse
 
 from hypernode.config import Config, Image
-from hypernode.material import material_of, nearest_cell
+from hypernode.material import drawn_material, material_of, nearest_cell
 from hypernode.mechanics.equilibrium import nodal_force_matrices, relative_gap
 from hypernode.mechanics.kinematics import largest_principal_strain
 from hypernode.mechanics.mesh import EDGES
@@ -148,7 +148,9 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
         if "constrained" in files:
             _judge_constrained(opened[files["constrained"]], mesh, F, kind, variables, summary)
-    elif printed:
+    if "constrained" in files:
+        _judge_spread(opened[files["constrained"]], mesh, kind, shape_stretch, true, variables, summary)
+    if truth is None and printed:
         flipped = config.specimens[case.specimen].shape_flipped
         true_shape = _judge_printed(printed, flipped, measurement, mesh, shape, summary)
     _judge_shape(mesh, field, shape, true_shape, variables, summary)
@@ -254,6 +256,21 @@ def _seen_mode(kind: str) -> int:
     if kind in ("equibiaxial", "biaxial"):
         return MODES.index("equibiaxial")
     return MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+
+
+def _judge_spread(constrained, mesh, kind, stretch, true, variables, summary):
+    """How uncertain the constrained field is, cell by cell, and whether the truth lies as far from it as that says."""
+    drawn = drawn_material(constrained)
+    if drawn is None:
+        return
+    draws = indicator(drawn, np.tile(mesh.centres, (constrained.sizes["draw"], 1)), kind, stretch)
+    spread = draws.reshape(-1, len(mesh.centres)).std(axis=0, ddof=1)
+    best = indicator(material_of(constrained), mesh.centres, kind, stretch)
+    variables["trace_P_spread"] = spread
+    summary["spread"] = float(np.sqrt(np.mean(spread**2) / np.mean(best**2)))
+    if true is not None:
+        missed = np.abs(best - indicator(true, mesh.centres, kind, stretch))
+        summary["within_two_spreads"] = float(np.mean(missed <= 2.0 * spread))
 
 
 def _judge_constrained(constrained, mesh, F, kind, variables, summary):

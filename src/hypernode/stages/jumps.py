@@ -56,8 +56,12 @@ class Jumps:
 
     def hessian(self, params) -> scipy.sparse.csc_matrix:
         """Quadratic form that touches the penalty from above, on the flattened parameters."""
+        root = self.root(params)
+        return (root.T @ root).tocsc()
+
+    def root(self, params) -> scipy.sparse.csr_matrix:
+        """Matrix R with R^T R = :meth:`hessian`."""
         size = self._size(params)
-        difference = self._difference[self.isotropic]
         weight = self._length[self.isotropic] / size / (1.0 if self.scale is None else 1.0 + size / self.scale)
-        laplacian = difference.T @ scipy.sparse.diags(weight) @ difference
-        return scipy.sparse.kron(laplacian, scipy.sparse.diags(self.share**2)).tocsc()
+        weighted = scipy.sparse.diags(np.sqrt(weight)) @ self._difference[self.isotropic]
+        return scipy.sparse.kron(weighted, scipy.sparse.diags(self.share)).tocsr()

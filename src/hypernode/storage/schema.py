@@ -20,6 +20,7 @@ DIMS = {
     "stretch_index": "stretch at which a mode is judged",
     "curve_point": "sample along a stress-stretch curve",
     "location": "point of the sheet at which a curve is drawn",
+    "draw": "a material field that the test cannot tell from the best one",
     "corner": "lower left, then upper right",
 }
 
@@ -96,6 +97,7 @@ VARIABLES = {
     "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
+    "trace_P_spread": Variable(("cell",), "stress", "standard deviation of that field over the draws"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
     "curve_stretch": Variable(("curve_point",), "1", "stretch along the curves"),
