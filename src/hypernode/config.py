@@ -229,7 +229,7 @@ class Constrained(Section):
     ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
     jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
     relative error of the load cell. ``draws`` is how many fields that the test cannot tell from the best one are
-    kept, from ``seed``: they say how uncertain it is.
+    kept, from ``seed``, where the displacements have noise: they say how uncertain it is.
     """
 
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre"]
