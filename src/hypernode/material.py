@@ -117,14 +117,25 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
 def drawn_material(file: xr.Dataset) -> Material | None:
     """All draws of a constrained field as one material, or None where it has none.
 
-    Its positions are the cell centres, once for each draw.
+    Its positions are the cell centres, once for each draw. Stress and energy are to first order in the draw's distance
+    from the best field, as the draws themselves are: parameters that trade places are far apart one by one.
     """
-    basis, _ = basis_field(file)
+    basis, best = basis_field(file)
     names = [f"draw.{name}" for name in basis.names]
     if names[0] not in file:
         return None
-    params = jnp.asarray(np.stack([file[name].values.ravel() for name in names]))
-    return Material(lambda X: params, basis.stress, basis.energy, units_of(file))
+    draws = np.stack([file[name].values for name in names])
+    best = np.broadcast_to(best[:, None], draws.shape).reshape(len(names), -1)
+    params = jnp.asarray(best), jnp.asarray(draws.reshape(best.shape) - best)
+
+    def linear(function):
+        def extended(F, params):
+            value, change = jax.jvp(lambda p: function(F, p), params[:1], params[1:])
+            return value + change
+
+        return extended
+
+    return Material(lambda X: params, linear(basis.stress), linear(basis.energy), units_of(file))
 
 
 def _convex_basis(file: xr.Dataset) -> Material:

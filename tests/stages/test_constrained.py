@@ -1,5 +1,8 @@
 """Equilibrium as a constraint: exact derivatives, and a field found again from noisy displacements."""
 
+import dataclasses
+import json
+
 import jax
 import numpy as np
 import pytest
@@ -8,6 +11,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from hypernode.config import Constrained, Node
+from hypernode.material import drawn_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.loads import make_load
@@ -18,6 +22,7 @@ from hypernode.stages import field_problem
 from hypernode.stages.constrained import Jumps, _first_field, identify
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.fields import held_displacement
+from hypernode.storage.netcdf import SYNTHETIC_UNITS
 from tests.stages.sheets import SCALE, sheet, square
 
 #: All terms of an incompressible sheet, and of a compressible one.
@@ -190,6 +195,33 @@ def test_draws_have_the_inverse_of_the_objectives_curvature_as_covariance():
     np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.15)
     assert np.abs((draws.mean(axis=0) - found.params.ravel()) / spread).max() < 0.2
     assert np.array_equal(draws[0], found.objective.draws(found.params, found.states, 1, seed=3).ravel())
+
+
+def test_a_draw_changes_the_stress_to_first_order_so_that_parameters_that_trade_places_do_not_count():
+    basis = ConvexBasis(("I2",), SCALE)
+    best, change = np.array([[0.1, 0.2], [0.5, 0.3]]), np.array([[0.3, -0.2], [2.0, 4.0]])
+    nodes = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [0.0, 1.0]])
+    file = xr.Dataset(
+        {
+            "X": (("node", "i"), nodes),
+            "cells": (("cell", "vertex"), np.array([[0, 1, 4, 5], [1, 2, 3, 4]])),
+            **{f"basis.{name}": (("cell",), best[k]) for k, name in enumerate(basis.names)},
+            **{
+                f"draw.{name}": (("draw", "cell"), best[k] + change[k] * np.array([[1.0], [-1.0]]))
+                for k, name in enumerate(basis.names)
+            },
+        },
+        attrs={"basis": json.dumps(dataclasses.asdict(basis)), "units": json.dumps(SYNTHETIC_UNITS)},
+    )
+    centres = nodes[file["cells"].values].mean(axis=1)
+    F = np.broadcast_to([[1.1, 0.02], [0.0, 1.05]], (4, 2, 2))
+    drawn = np.asarray(drawn_material(file).stress(np.tile(centres, (2, 1)), F)).reshape(2, 2, 2, 2)
+    found = np.asarray(basis.stress(F[0][:, :, None], best))
+    np.testing.assert_allclose(drawn.mean(axis=0), np.moveaxis(found, -1, 0), rtol=1e-10)
+    h = 1e-6
+    slope = (basis.stress(F[0][:, :, None], best + h * change) - found) / h
+    np.testing.assert_allclose(drawn[0] - drawn[1], 2.0 * np.moveaxis(np.asarray(slope), -1, 0), rtol=1e-4)
+    assert drawn_material(file.drop_vars([f"draw.{name}" for name in basis.names])) is None
 
 
 def test_a_second_family_needs_a_first():
