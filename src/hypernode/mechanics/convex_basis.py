@@ -26,7 +26,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.kinematics import invariants, right_cauchy_green
+from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green
 from hypernode.mechanics.material_names import BASIS_TERMS
 from hypernode.mechanics.stress import stress_with_structure
 
@@ -125,7 +125,7 @@ class ConvexBasis:
 
     def _isotropic(self, I):
         """I1 - 3, or tr C - 2 where the sheet is compressible."""
-        return I.I1 - 1.0 / I.J**2 - 2.0 if "J" in self.terms else I.I1 - 3.0
+        return in_plane_trace(I) - 2.0 if "J" in self.terms else I.I1 - 3.0
 
     def _fibre(self, F, e1, p):
         """(strength k, dispersion b, families); a family is its share, (M11, M22, M12) and its strain E.

@@ -58,6 +58,11 @@ def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> 
     )
 
 
+def in_plane_trace(I: Invariants) -> Float[Array, "..."]:
+    """tr C of the in-plane C: what I1 is without the thickness of an incompressible sheet."""
+    return I.I1 - 1.0 / I.J**2
+
+
 def largest_principal_strain(F: Float[Array, "2 2 ..."]) -> Float[Array, "..."]:
     """Largest in-plane eigenvalue of the Green-Lagrange strain E = (C - I)/2."""
     C11, C22, C12 = right_cauchy_green(F)

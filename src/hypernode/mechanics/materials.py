@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.kinematics import Invariants
+from hypernode.mechanics.kinematics import Invariants, in_plane_trace
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,7 @@ def compressible_neo_hookean(I: Invariants, p: Mapping) -> Float[Array, "..."]:
     mu, K, J = p["mu"], p["K"], I.J
     a, b = mu + K * J**2, K * J
     t = (b + jnp.sqrt(b**2 + 4.0 * a * mu)) / (2.0 * a)
-    trace = I.I1 - 1.0 / J**2
-    return 0.5 * mu * (trace + t**2 - 3.0 - 2.0 * jnp.log(J * t)) + 0.5 * K * (J * t - 1.0) ** 2
+    return 0.5 * mu * (in_plane_trace(I) + t**2 - 3.0 - 2.0 * jnp.log(J * t)) + 0.5 * K * (J * t - 1.0) ** 2
 
 
 MODELS: dict[str, ClosedForm] = {

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from hypernode.mechanics.kinematics import in_plane_trace
 from hypernode.networks.potentials import POTENTIALS, Potential
 from hypernode.networks.terms import INVARIANTS, TERMS
 
@@ -128,7 +129,7 @@ class NodeMaterial:
         alpha = jax.nn.sigmoid(mixture)
         shifted = {name: getattr(I, name) - value for name, value in INVARIANTS.items()}
         if self.compressible:
-            shifted["I1"] = I.I1 - 1.0 / I.J**2 - 2.0
+            shifted["I1"] = in_plane_trace(I) - 2.0
         inputs, shares = [], []
         for term in self.terms:
             names = TERMS[term]

@@ -15,17 +15,14 @@ import json
 import sys
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.linalg
-from jaxtyping import Float
 
 from hypernode.config import Constrained
 from hypernode.errors import ExpectedError
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import Progress
-from hypernode.stages.equilibrium_solver import factorise
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.jumps import Jumps
+from hypernode.stages.objective import Objective
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Weight of the squared distance from the homogeneous fit, small: it decides only what data leave open.
@@ -45,19 +42,9 @@ CLOSE = 1.05
 UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
 #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance.
 CHANCE = 3.0
-#: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
-LINEAR_ITERATIONS = (150, 200)
-#: Residual at which they end, relative to the gradient: while the displacements are not explained, and
-#: then. The valleys on the way are narrow; a loose step crosses them to and fro, and where that ends is chance.
-LINEAR_TOLERANCE = (0.003, 0.01)
-#: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors
-#: estimate it.
-CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
 #: Before more terms follow, the stiffness is good enough once its misfit has fallen by less than this share in this
 #: many iterations, or its cost by less than ``PLAIN_TOLERANCE`` in one.
 PLATEAU_SHARE, PLATEAU_ITERATIONS, PLAIN_TOLERANCE = 0.2, 3, 5e-3
-#: Relative residual and most iterations of a draw.
-DRAW_TOLERANCE, DRAW_ITERATIONS = 0.01, 100
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
@@ -68,95 +55,22 @@ class IdentificationError(ExpectedError, RuntimeError):
 
 
 @dataclasses.dataclass
-class Objective:
-    """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge."""
-
-    problem: FieldProblem
-    jumps: Jumps
-    jump_weight: float
-    ridge: np.ndarray
-    centre: np.ndarray
-
-    def misfit(self, states) -> float:
-        """Root mean square of the displacement misfit."""
-        u, _ = self.problem.residuals(states)
-        return float(np.sqrt(sum(r @ r for r in u) / sum(len(r) for r in u)))
-
-    def value(self, params, states, sigma: float) -> float:
-        """The objective with displacements weighted by ``sigma``."""
-        u, f = self.problem.residuals(states)
-        regular = self.jump_weight * self.jumps.value(params)
-        regular += 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2
-        return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f) + regular
-
-    def gauss_newton(self, params, states, sigma: float, damping: float, explained: bool):
-        """(linearisation, step) of a damped Gauss-Newton iteration, by preconditioned conjugate gradients."""
-        linear, gradient, curvature = self.data_model(params, states, sigma)
-        regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
-        gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
-        solve = _normal_equations(linear, regular, np.tile(CURVATURE_SHARE * curvature, len(params)))
-        iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
-        return linear, solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
-
-    def draws(self, params, states, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
-        """Fields that the test tells as little from the best one as its noise allows.
-
-        Samples of the Gaussian with the curvature of the objective there (Laplace's approximation): each answers to
-        data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
-        """
-        linear, _, curvature = self.data_model(params, states, self.problem.sigma)
-        root = np.sqrt(self.jump_weight) * self.jumps.root(params)
-        regular = root.T @ root + scipy.sparse.diags(self.ridge)
-        solve = _normal_equations(linear, regular.tocsc(), np.tile(CURVATURE_SHARE * curvature, len(params)))
-        u, f = self.problem.residuals(states)
-        random, fields = np.random.default_rng(seed), []
-        for _ in range(count):
-            disturbed = linear.adjoint([random.normal(size=r.shape) for r in u], random.normal(size=f.shape))
-            disturbed += root.T @ random.normal(size=root.shape[0])
-            disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            fields.append(params + solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
-        return np.array(fields)
-
-    def data_model(self, params, states, sigma: float):
-        """(linearisation, gradient of the misfits (flat), their mean second derivative by parameter).
-
-        The last is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
-        """
-        linear = self.problem.linearise(params, states, sigma)
-        u, f = self.problem.residuals(states)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CURVATURE_PROBES, params.size))
-        estimate = sum(v * linear.adjoint(*linear.forward(v)) for v in signs) / CURVATURE_PROBES
-        curvature = np.maximum(estimate.reshape(params.shape).mean(axis=0), 0.0)
-        return linear, linear.adjoint([r / sigma for r in u], f), curvature
-
-
-def _normal_equations(linear, regular, curvature):
-    """(right-hand side, tolerance, iterations) -> solution with J^T J + ``regular``, by conjugate gradients.
-
-    Args:
-        curvature: share of the data's mean curvature, by parameter, that joins the preconditioner.
-    """
-    precondition = factorise(regular + scipy.sparse.diags(curvature))
-    operator = scipy.sparse.linalg.LinearOperator(
-        regular.shape, lambda x: linear.adjoint(*linear.forward(x)) + regular @ x
-    )
-    inverse = scipy.sparse.linalg.LinearOperator(regular.shape, precondition.solve)
-    return lambda b, rtol, maxiter: scipy.sparse.linalg.cg(operator, b, rtol=rtol, maxiter=maxiter, M=inverse)[0]
-
-
-@dataclasses.dataclass
 class Found:
     """Where a descent ended: parameters by cell, equilibrium states, misfits in units of the noise.
 
     ``cost`` is the whole objective there, minus the logarithm of how probable the field is after the test.
     """
 
-    problem: FieldProblem
     objective: Objective
     params: np.ndarray
     states: list
     history: np.ndarray
     cost: float
+
+    @property
+    def problem(self) -> FieldProblem:
+        """The test, and the equilibrium that ties a field to it."""
+        return self.objective.problem
 
     @property
     def force_misfit(self) -> float:
@@ -294,7 +208,7 @@ def descend(
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic = settings.jump_scale, True
     cost = objective.value(params, states, problem.sigma)
-    return Found(problem, objective, params, states, np.array(history), cost)
+    return Found(objective, params, states, np.array(history), cost)
 
 
 def _on_plateau(history) -> bool:

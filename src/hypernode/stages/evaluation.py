@@ -148,11 +148,11 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         true_shape = _judge_truth(truth, true, found, mesh, F, kind, variables, summary)
         if "constrained" in files:
             _judge_constrained(opened[files["constrained"]], mesh, F, kind, variables, summary)
-    if "constrained" in files:
-        _judge_spread(opened[files["constrained"]], mesh, kind, shape_stretch, true, variables, summary)
-    if truth is None and printed:
+    elif printed:
         flipped = config.specimens[case.specimen].shape_flipped
         true_shape = _judge_printed(printed, flipped, measurement, mesh, shape, summary)
+    if "constrained" in files:
+        _judge_spread(opened[files["constrained"]], mesh, kind, shape_stretch, true, variables, summary)
     _judge_shape(mesh, field, shape, true_shape, variables, summary)
     places = X[most_interior(mesh, shape if true is None else true_shape)]
     _judge_curves(found, true, places, np.linspace(1.0, largest, CURVE_POINTS), kind, variables, summary)
