@@ -307,8 +307,10 @@ class Specimen(Section):
 
     Lengths in mm, times in s, forces in N. Either ``frames`` (numbers) or ``stretches`` (target
     mean stretches along the tensile axis) selects the load steps. ``force_offset`` is subtracted from the force
-    record: what it reads before the sheet pulls. ``correlation_window`` is the side of the
-    window over which the cameras' software averages the displacement, 0 where it is not known.
+    record: what it reads before the sheet pulls. ``force_uncertainty``: of the force that the grid carries, relative:
+    the load cell's, and that of the share of the sheet's width that is left of it. ``relaxation``: tell from the
+    record which share of the force is a matter of time, and identify without it. ``correlation_window`` is the
+    side of the window over which the cameras' software averages the displacement, 0 where it is not known.
     """
 
     folder: str
@@ -323,6 +325,8 @@ class Specimen(Section):
     frame_rate: Positive
     first_frame_time: float = 0.0
     force_offset: float = 0.0
+    force_uncertainty: Fraction = 0.01
+    relaxation: bool = True
     edge_ring: Annotated[int, Field(ge=0)] = 1
     frames: list[Count] | None = None
     stretches: list[Annotated[float, Field(gt=1)]] | None = None

@@ -62,14 +62,12 @@ def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
 
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
     """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
-    stress at an isochoric uniaxial stretch for uniaxial tests."""
+    stress in uniaxial tension for uniaxial tests."""
     if kind in ("equibiaxial", "biaxial", "shear"):
         P = np.asarray(material.stress(X, np.tile(np.diag([stretch, stretch]), (len(X), 1, 1))), float)
         return P[:, 0, 0] + P[:, 1, 1]
     axis = 0 if kind.endswith("x") else 1
-    diagonal = np.full(2, stretch**-0.5)
-    diagonal[axis] = stretch
-    return np.asarray(material.stress(X, np.tile(np.diag(diagonal), (len(X), 1, 1))), float)[:, axis, axis]
+    return uniaxial_stress(material, X, stretch, axis)[:, axis]
 
 
 def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:

@@ -75,6 +75,40 @@ def test_what_the_record_reads_before_the_sheet_pulls_is_subtracted(folder, tmp_
     np.testing.assert_allclose(less[:, 3, 1] / plain[:, 3, 1], [7.5 / 10.0, 17.5 / 20.0])
 
 
+def relaxing_record(folder):
+    """Twelve frames at a constant rate, and a neo-Hookean sheet whose force relaxes to 5/7 with 0.3 s."""
+    for number in range(2, 14):
+        write_frame(folder, number, 1.0 + 0.01 * (number - 1))
+    t = np.linspace(0, 3, 601)
+    elastic = 1.0 + 0.05 * t - (1.0 + 0.05 * t) ** -2
+    kernel = np.exp(-np.abs(t[:, None] - t[None]) / 0.3) * (t[:, None] >= t[None])
+    force = 100.0 * (elastic + 0.4 * np.trapezoid(kernel * np.gradient(elastic, t)[None], t, axis=1))
+    rows = ["Time,Displacement,Force", "(s),(mm),(N)"] + [f"{a},0,{b}" for a, b in zip(t, force, strict=True)]
+    (folder / "force_disp.csv").write_text("\n".join(rows))
+    return t, 100.0 * elastic
+
+
+def test_what_is_a_matter_of_time_is_told_apart_and_the_record_stays_as_it_is(folder, tmp_path):
+    time, elastic = relaxing_record(folder)
+    chosen = {"frames": None, "stretches": [1.04, 1.06, 1.08, 1.11]}
+    data = imported(folder, tmp_path, **chosen)
+    rigid = data["edge_force"].values[:, 3, 1] / data["relaxation"].values
+    expected = np.interp(data["time"], time, elastic)
+    np.testing.assert_allclose(rigid / rigid[-1], expected / expected[-1], rtol=0.01)
+    (tmp_path / "out.nc").unlink()
+    plain = imported(folder, tmp_path, relaxation=False, **chosen)
+    np.testing.assert_array_equal(plain["relaxation"], 1.0)
+    np.testing.assert_array_equal(plain["edge_force"], data["edge_force"])
+    bent = plain["edge_force"].values[:, 3, 1]
+    assert (bent / bent[-1] / (expected / expected[-1]))[0] > 1.05
+
+
+def test_every_frame_that_was_read_is_named(folder, tmp_path):
+    relaxing_record(folder)
+    data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.06])
+    assert len(json.loads(data.attrs["raw_inputs"])) == 14
+
+
 def test_steps_chosen_by_stretch(folder, tmp_path):
     data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.099])
     assert json.loads(data.attrs["frames"]) == [6, 11]

@@ -40,7 +40,13 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0):
             "edge_force": (("load_step", "edge", "i"), force),
             "edge_constrained": (("load_step", "edge", "i"), held),
         },
-        attrs={"displacement_noise": noise, "correlation_window": window, "thickness": 1.0, "outline": "edge"},
+        attrs={
+            "displacement_noise": noise,
+            "force_uncertainty": 0.0,
+            "correlation_window": window,
+            "thickness": 1.0,
+            "outline": "edge",
+        },
     )
     return data, mesh, params
 

@@ -16,6 +16,15 @@ def seen(inclusion, noise=0.0):
     return mesh, Loading.of(data), F, np.exp(params[:, 0])
 
 
+def test_a_record_that_relaxes_tells_the_same_stresses_as_an_elastic_one():
+    data, _, _ = sheet(4, square, make_load("equibiaxial", [1.05, 1.1]))
+    factor = np.array([1.3, 1.1])
+    slow = data.assign(relaxation=("load_step", factor), edge_force=data["edge_force"] * factor[:, None, None])
+    elastic, relaxing = Loading.of(data), Loading.of(slow)
+    for field in ("resultant", "P_average", "scale"):
+        np.testing.assert_allclose(getattr(relaxing, field), getattr(elastic, field), rtol=1e-14)
+
+
 def test_a_homogeneous_sheet_gives_its_modulus():
     mesh, loading, F, level = seen(lambda X: np.zeros(len(X), bool))
     # The sheet stiffens a little with stretch, which a neo-Hookean one does not.

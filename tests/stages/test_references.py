@@ -37,6 +37,8 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
     field = jnp.tile(params, (len(mesh.cells), 1))
     again = pulled_sheet(measurement, node, field, Progress("references", "sheet", 1))
     np.testing.assert_array_equal(again, forces)
+    recorded = measurement.assign(relaxation=("load_step", [1.25]))
+    np.testing.assert_allclose(pulled_sheet(recorded, node, field, Progress("references", "sheet", 1)), 1.25 * forces)
 
 
 def test_a_phase_is_represented_by_its_median_and_an_absent_one_is_an_error():

@@ -20,7 +20,7 @@ from hypernode.probes import (
     preferred_direction,
     stress_at_common_F,
 )
-from hypernode.stages.fields import Loading, field_gradient, mesh_of
+from hypernode.stages.fields import Loading, field_gradient, mesh_of, relaxation
 from hypernode.stages.fields import deformation_gradient as element_gradient
 from hypernode.stages.geometry import make_shape
 from hypernode.stages.gradient import signal_to_noise
@@ -179,7 +179,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
 def _judge_equilibrium(mesh, loading, measurement, P_field, variables, summary):
     """Edge forces, nodal residual and equilibrium gap of the stress at the measured deformation."""
     forces, residual, gap = _equilibrium(mesh, loading, P_field)
-    forces = forces * float(measurement.attrs["thickness"])
+    forces = forces * float(measurement.attrs["thickness"]) * relaxation(measurement)
     measured = measurement["edge_force"].values
     with np.errstate(invalid="ignore"):
         relative = np.abs(forces - measured) / np.nanmax(np.abs(measured), axis=(1, 2), keepdims=True)

@@ -19,7 +19,7 @@ from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
-from hypernode.stages.fields import Loading, deformation_gradient, held_displacement, mesh_of
+from hypernode.stages.fields import Loading, deformation_gradient, held_displacement, mesh_of, stress_resultants
 from hypernode.stages.observation import window_average
 
 #: Displacements are never trusted beyond this share of the largest one: what finite elements on the
@@ -84,7 +84,8 @@ class FieldProblem:
         self.observe = [observe[free] for free in self.free]
         self.homogeneous, self.force_misfit = self._homogeneous()
         described = self.force_misfit <= DESCRIPTION_ERROR
-        self._edge_forces(measurement, np.where(described, settings.force_noise, self.force_misfit)[self.loading.test])
+        relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
+        self._edge_forces(measurement, np.maximum(relative, float(measurement.attrs["force_uncertainty"])))
         self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
         self._gradients, self._weights = self.solver.shape_gradients
         dofs = (2 * self.mesh.cells[:, :, None] + np.arange(2)).reshape(cells, 8)
@@ -155,7 +156,7 @@ class FieldProblem:
         both resultants say something.
         """
         cut = measurement.attrs["outline"] == "cut"
-        force = measurement["edge_force"].values / float(measurement.attrs["thickness"])
+        force = stress_resultants(measurement)
         constrained = measurement["edge_constrained"].values > 0
         largest = np.nanmax(np.abs(force), axis=(1, 2))
         self.forces = []

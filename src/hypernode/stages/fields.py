@@ -51,6 +51,17 @@ def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np
     return mask, np.where(mask, total / np.maximum(count, 1), 0.0)
 
 
+def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
+    """Recorded over elastic force of each step; 1 in files of sheets that do not relax."""
+    steps = measurement.sizes["load_step"]
+    return (measurement["relaxation"].values if "relaxation" in measurement else np.ones(steps))[:, None, None]
+
+
+def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:
+    """Measured force over thickness of an elastic sheet, NaN where not measured."""
+    return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
+
+
 @dataclass(frozen=True)
 class Loading:
     """What is known about the loading of every step, in stresses rather than forces.
@@ -92,8 +103,7 @@ class Loading:
         edges are free has a known resultant of zero.
         """
         lower, upper = measurement["corners"].values
-        thickness = float(measurement.attrs["thickness"])
-        force = measurement["edge_force"].values / thickness
+        force = stress_resultants(measurement)
         constrained = measurement["edge_constrained"].values > 0
         test = measurement["test"].values
         # Pairs of opposite edges in the order left, right, bottom, top: axis 0 then axis 1.

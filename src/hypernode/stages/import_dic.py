@@ -9,11 +9,16 @@ from hypernode.dic.davis import DicError, Series, frame_files, read_force_record
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.mechanics.mesh import Mesh, rectilinear
+from hypernode.mechanics.relaxation import Relaxation, fit_relaxation
 from hypernode.stages.fields import deformation_gradient
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 
 #: The tensile axis of each load that a specimen may have.
 _AXIS = {"clamped_x": 0, "clamped_y": 1}
+#: Fewest deformed frames from which the course of the stretch is known well enough to tell time from elasticity.
+_FRAMES_FOR_RELAXATION = 4
+#: Fewest samples of the force record for the same.
+_SAMPLES_FOR_RELAXATION = 20
 
 
 def _trimmed(series: Series, ring: int) -> Series:
@@ -36,11 +41,12 @@ def _mean_stretch(series: Series, axis: int) -> np.ndarray:
     return np.array(means)
 
 
-def _select(specimen: Specimen, folder: Path) -> list[int]:
-    """Numbers of the frames that become load steps."""
+def _select(specimen: Specimen, folder: Path) -> tuple[list[int], Series]:
+    """Numbers of the frames that become load steps, and the series of all frames that had to be read."""
     if specimen.frames is not None:
-        return list(specimen.frames)
-    series = _trimmed(read_series(folder), specimen.edge_ring)
+        return list(specimen.frames), read_series(folder, specimen.frames)
+    full = read_series(folder)
+    series = _trimmed(full, specimen.edge_ring)
     stretch = _mean_stretch(series, _AXIS[specimen.load])
     chosen = []
     for target in specimen.stretches:
@@ -51,22 +57,46 @@ def _select(specimen: Specimen, folder: Path) -> list[int]:
         chosen.append(series.frames[int(np.argmin(np.abs(stretch - target)))].number)
     if len(set(chosen)) < len(chosen):
         raise DicError(f"{folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart")
-    return chosen
+    return chosen, full
 
 
-def _at_frames(specimen: Specimen, force_path: Path, numbers: np.ndarray, first: int):
-    """(time [s] of each frame, force [N] interpolated there, less the offset)."""
-    record_time, record_force = read_force_record(force_path)
-    time = specimen.first_frame_time + (numbers - first) / specimen.frame_rate
+def _frame_times(specimen: Specimen, numbers: np.ndarray, first: int) -> np.ndarray:
+    """Time [s] of each frame in the clock of the force record."""
+    return specimen.first_frame_time + (numbers - first) / specimen.frame_rate
+
+
+def _force_record(specimen: Specimen, path: Path):
+    """(time [s], force [N] less the offset) of every sample."""
+    time, force = read_force_record(path)
+    return time, force - specimen.force_offset
+
+
+def _at_frames(specimen: Specimen, path: Path, numbers: np.ndarray, first: int):
+    """(time [s] of each frame, force [N] interpolated there)."""
+    record_time, record_force = _force_record(specimen, path)
+    time = _frame_times(specimen, numbers, first)
     late = time > record_time[-1]
     if late.any():
         raise DicError(
-            f"{force_path}: ends at {record_time[-1]:g} s, before frame {numbers[late][0]} at "
+            f"{path}: ends at {record_time[-1]:g} s, before frame {numbers[late][0]} at "
             f"{time[late][0]:g} s: check frame_rate and first_frame_time"
         )
     if (time < record_time[0]).any():
-        raise DicError(f"{force_path}: begins after the first chosen frame: check first_frame_time")
-    return time, np.interp(time, record_time, record_force) - specimen.force_offset
+        raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
+    return time, np.interp(time, record_time, record_force)
+
+
+def _relaxation(specimen: Specimen, path: Path, series: Series) -> Relaxation | None:
+    """What of the force record is a matter of time, from the stretch of every frame that was read."""
+    if not specimen.relaxation or len(series.frames) <= _FRAMES_FOR_RELAXATION:
+        return None
+    time, force = _force_record(specimen, path)
+    numbers = np.array([frame.number for frame in series.frames])
+    seen, stretch = _frame_times(specimen, numbers, numbers[0]), _mean_stretch(series, _AXIS[specimen.load])
+    during = (time >= seen[0]) & (time <= seen[-1])
+    if during.sum() < _SAMPLES_FOR_RELAXATION:
+        return None
+    return fit_relaxation(time[during], np.interp(time[during], seen, stretch), force[during])
 
 
 def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
@@ -96,10 +126,11 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """
     specimen = config.specimens[config.cases[name].specimen]
     folder = Path(specimen.folder)
-    numbers = _select(specimen, folder)
-    series = _trimmed(full := read_series(folder, numbers), specimen.edge_ring)
+    numbers, full = _select(specimen, folder)
+    series = _trimmed(full, specimen.edge_ring)
     force_path = folder / specimen.force_file
     time, force = _at_frames(specimen, force_path, np.array(numbers), full.frames[0].number)
+    relaxation = _relaxation(specimen, force_path, series)
     by_number = {f.number: f.displacement for f in series.frames}
     chosen = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     valid = ~chosen.lost
@@ -136,6 +167,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "H": H,
             "time": time,
             "edge_force": edge_force,
+            "relaxation": np.ones(len(numbers)) if relaxation is None else relaxation.at(time),
             "edge_constrained": constrained,
             "u_measured": u[None],
         },
@@ -148,13 +180,15 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "outline": "cut",
             "thickness": specimen.thickness,
             "displacement_noise": specimen.noise_pixels * mm,
+            "force_uncertainty": specimen.force_uncertainty,
             "correlation_window": specimen.correlation_window,
             "frames": numbers,
+            "pace": relaxation.pace if relaxation else 1.0,
             "field_corners": field.tolist(),
             "lost_points": int((~valid).sum()),
             "raw_inputs": {
                 str(path): sha256(path)
-                for path in (force_path, *(frame_files(folder)[n] for n in sorted({full.frames[0].number, *numbers})))
+                for path in (force_path, *(frame_files(folder)[frame.number] for frame in full.frames))
             },
         },
     )

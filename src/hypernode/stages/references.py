@@ -10,7 +10,7 @@ from hypernode.material import node_stress, parameter_field
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
-from hypernode.stages.fields import held_displacement, mesh_of
+from hypernode.stages.fields import held_displacement, mesh_of, relaxation
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Phases by the value of an evaluation's ``shape``.
@@ -64,7 +64,7 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         force = reached.force.reshape(-1, 2)
         forces.append([force[mesh.on_edge(edge)].sum(axis=0) for edge in EDGE_NAMES])
         progress.advance(residual=reached.history[-1])
-    return np.array(forces) * float(measurement.attrs["thickness"])
+    return np.array(forces) * float(measurement.attrs["thickness"]) * relaxation(measurement)
 
 
 def run(name: str, references: Mapping[str, str], files: Mapping[str, str], output: str, attributes: dict) -> None:

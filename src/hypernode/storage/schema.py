@@ -56,6 +56,9 @@ VARIABLES = {
     "edge_force": Variable(
         ("load_step", "edge", "i"), "force", "outward resultant on each edge; NaN where not measured"
     ),
+    "relaxation": Variable(
+        ("load_step",), "1", "recorded force over that of an elastic sheet as stiff as this one at the test's pace"
+    ),
     "edge_constrained": Variable(
         ("load_step", "edge", "i"), "1", "1 where the edge displacement is prescribed, 0 where it is free"
     ),
