@@ -52,6 +52,13 @@ def test_stiff_and_soft_inclusions_are_both_found():
         assert dice(find_inclusion(MESH, sign * truth + noise), truth) > 0.99
 
 
+def test_three_cells_beyond_all_others_do_not_hide_the_inclusion():
+    truth = cells(Disc(shape="disc", radius=0.3))
+    field = 1.0 + truth
+    field[:3] = 40.0
+    assert dice(find_inclusion(MESH, field), truth) > 0.98
+
+
 def test_a_uniform_field_has_no_inclusion():
     assert not find_inclusion(MESH, np.ones(len(MESH.cells))).any()
 
@@ -68,3 +75,9 @@ def test_registration_undoes_a_small_shift():
     found = disc(MESH.centres - (0.05, -0.025)) > 0.5
     score, (dx, dy, _, _) = registered_dice(found, disc, MESH.centres)
     assert score > 0.99 and abs(dx - 0.05) < 1e-9 and abs(dy + 0.025) < 1e-9
+
+
+def test_registration_finds_a_shift_between_the_points_of_its_first_grid():
+    disc = make_shape(Disc(shape="disc", radius=0.2))
+    found = disc(MESH.centres - (0.0125, 0.0375)) > 0.5
+    assert registered_dice(found, disc, MESH.centres)[0] > 0.99

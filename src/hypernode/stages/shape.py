@@ -1,5 +1,7 @@
 """Shapes of inclusions: found without looking at the truth, and compared with it."""
 
+import itertools
+
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
@@ -7,8 +9,10 @@ from skimage.filters import threshold_otsu
 
 from hypernode.mechanics.mesh import Mesh
 
-#: Shift over side length and relative change of size that a registration may use, and its steps.
-REGISTRATION_LIMIT, REGISTRATION_STEPS = 0.05, 5
+#: Shift over side length and relative change of size that a registration may use, and how often its grid is halved.
+REGISTRATION_LIMIT, REGISTRATION_HALVINGS = 0.05, 4
+#: Share of the cells at either end whose values count as that of the last one before them.
+OUTLIERS = 0.005
 
 
 def border_cells(mesh: Mesh) -> Bool[np.ndarray, " cell"]:
@@ -23,8 +27,10 @@ def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np
     """Split the sheet in two by Otsu's threshold; the inclusion is the side that meets the border less.
 
     Between two well separated levels Otsu's criterion is flat and its first maximum hugs the lower
-    level; half-way between the two means is the same optimum with the widest margin.
+    level; half-way between the two means is the same optimum with the widest margin. A few cells beyond
+    all others do not draw the threshold to themselves.
     """
+    indicator = np.clip(indicator, *np.quantile(indicator, (OUTLIERS, 1.0 - OUTLIERS)))
     if np.ptp(indicator) <= 1e-12 * max(np.abs(indicator).max(), 1e-300):
         return np.zeros(len(indicator), dtype=bool)
     high = indicator > threshold_otsu(indicator)
@@ -71,17 +77,23 @@ def registered_dice(found, shape, X: Float[np.ndarray, "cell 2"]) -> tuple[float
     Returns:
         (Dice, (shift x, shift y, scale x, scale y)).
     """
-    best = (dice(found, shape(X) > 0.5), (0.0, 0.0, 1.0, 1.0))
-    values = np.linspace(-REGISTRATION_LIMIT, REGISTRATION_LIMIT, REGISTRATION_STEPS)
-    for dx in values:
-        for dy in values:
-            for sx in 1.0 + values:
-                for sy in 1.0 + values:
-                    moved = (X - 0.5 - (dx, dy)) / (sx, sy) + 0.5
-                    score = dice(found, shape(moved) > 0.5)
-                    if score > best[0]:
-                        best = (score, (float(dx), float(dy), float(sx), float(sy)))
-    return best
+
+    def score(place):
+        """Dice score of the reference moved and stretched by ``place``."""
+        shift, size = np.array(place[:2]), 1.0 + np.array(place[2:])
+        return dice(found, shape((X - 0.5 - shift) / size + 0.5) > 0.5)
+
+    best, place = score((0.0,) * 4), (0.0,) * 4
+    step = REGISTRATION_LIMIT
+    for _ in range(REGISTRATION_HALVINGS + 1):
+        # Around the best so far, on a grid that becomes finer; the score has steps, so no derivative helps.
+        around = (np.array([p - step, p, p + step]).clip(-REGISTRATION_LIMIT, REGISTRATION_LIMIT) for p in place)
+        for trial in itertools.product(*map(np.unique, around)):
+            if (value := score(trial)) > best:
+                best, place = value, trial
+        step /= 2.0
+    dx, dy, sx, sy = map(float, place)
+    return best, (dx, dy, 1.0 + sx, 1.0 + sy)
 
 
 def most_interior(mesh: Mesh, shape) -> np.ndarray:
