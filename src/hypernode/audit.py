@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernode.storage.netcdf import read
-from hypernode.storage.records import StorageError, read_record, record_of, sha256
+from hypernode.storage.records import StorageError, is_record, read_record, record_of, sha256
 
 #: Folders of a run that hold no results: what a job said and how long it took.
 NOT_RESULTS = ("logs", "benchmarks")
@@ -17,9 +17,7 @@ def result_files(folder: Path) -> list[Path]:
     return sorted(
         path
         for path in folder.rglob("*")
-        if path.is_file()
-        and path.relative_to(folder).parts[0] not in NOT_RESULTS
-        and not (path.suffix == ".json" and path.with_suffix("").is_file())
+        if path.is_file() and path.relative_to(folder).parts[0] not in NOT_RESULTS and not is_record(path)
     )
 
 
@@ -64,7 +62,7 @@ def verify(folder: Path) -> list[str]:
         f"{record}: a record without its file"
         for record in sorted(folder.rglob("*.json"))
         if record.relative_to(folder).parts[0] not in NOT_RESULTS
-        and record.name.count(".") > 1
+        and is_record(record)
         and not record.with_suffix("").is_file()
     ]
     return [problem for path in files for problem in problems_of(path)] + orphans

@@ -10,9 +10,8 @@ from rocrate.rocrate import ROCrate
 
 from hypernode.audit import result_files
 from hypernode.storage.netcdf import write_bytes_atomically
-from hypernode.storage.records import read_record
+from hypernode.storage.records import CRATE, read_record
 
-NAME = "ro-crate-metadata.json"
 #: Where in a results folder the rules and scripts that made it are kept, as they were.
 DEFINITION = "definition"
 MAIN_WORKFLOW = f"{DEFINITION}/Snakefile"
@@ -40,7 +39,7 @@ def build(folder: Path) -> ROCrate:
     crate.name = "hypernode results"
     crate.description = "Full-field identification of heterogeneous hyperelastic sheets"
     crate.license = "https://spdx.org/licenses/GPL-3.0-or-later"
-    files = [path for path in result_files(folder) if path.name != NAME]
+    files = [path for path in result_files(folder) if path.name != CRATE]
     records = {path: read_record(path) for path in files}
     ended = max((r["written"] for r in records.values()), default="1970-01-01")
     crate.datePublished = ended
@@ -120,5 +119,5 @@ def write(folder: Path, definition: Sequence[str], provenance: dict) -> None:
         write_bytes_atomically(copy, lambda temporary, source=source: shutil.copyfile(source, temporary), provenance)
     text = json.dumps(build(folder).metadata.generate(), indent=1, sort_keys=True) + "\n"
     write_bytes_atomically(
-        folder / NAME, lambda temporary: Path(temporary).write_text(text, encoding="utf-8"), provenance
+        folder / CRATE, lambda temporary: Path(temporary).write_text(text, encoding="utf-8"), provenance
     )

@@ -67,6 +67,12 @@ def test_a_replaced_parent_a_lost_record_and_changed_raw_data_are_named(results,
     assert any("a record without its file" in line for line in verify(results))
 
 
+def test_a_record_that_a_run_has_left_behind_is_not_a_result(results):
+    (results / "c/measurement.nc").unlink()
+    (results / "Snakefile.json").write_text("{}")
+    assert {path.name for path in result_files(results)} == {"gradient.nc", "material.nc"}
+
+
 def test_explain_reaches_seeds_versions_code_and_raw_input_of_every_ancestor(results, tmp_path, capsys):
     assert main(["audit", "explain", str(results / "c/m/material.nc")]) == 0
     text = capsys.readouterr().out

@@ -195,6 +195,18 @@ def test_adding_a_case_runs_only_its_jobs(smoke, tmp_path):
     assert jobs and all("/other/" in line or "tables/" in line or "ro-crate" in line for line in jobs)
 
 
+def test_a_run_with_another_case_goes_to_its_end_over_the_results_of_the_first(smoke, tmp_path):
+    shutil.copytree(smoke, tmp_path / "copy")
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["cases"]["other"] = {**config["cases"]["seen"], "methods": ["homogeneous"]}
+    (tmp_path / "more.yaml").write_text(yaml.safe_dump(config))
+    done = snakemake(tmp_path / "copy", config=tmp_path / "more.yaml")
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert verify(tmp_path / "copy/results") == []
+    described = json.loads((tmp_path / "copy/results/ro-crate-metadata.json").read_text())["@graph"]
+    assert any(each["@id"] == "other/homogeneous/evaluation.nc" for each in described)
+
+
 def test_editing_one_method_stage_keeps_the_earlier_ones(smoke, tmp_path):
     config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
     config["methods"]["tiny"]["training"] = {"equilibrium": "equilibrated", "iterations": 60}

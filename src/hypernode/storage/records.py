@@ -19,6 +19,8 @@ from hypernode.errors import ExpectedError
 
 #: Keys that every record has.
 REQUIRED = ("sha256", "parents", "raw_inputs", "rule", "settings", "code", "versions")
+#: What describes a results folder as a whole; every other JSON file in one is a record.
+CRATE = "ro-crate-metadata.json"
 
 
 class StorageError(ExpectedError, RuntimeError):
@@ -29,6 +31,11 @@ def sha256(path: str | Path) -> str:
     """Hexadecimal SHA-256 of a file's bytes."""
     with open(path, "rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+def is_record(path: Path) -> bool:
+    """Whether a path is the record of a file, which may be gone: a run removes what it is about to write anew."""
+    return path.suffix == ".json" and path.name != CRATE
 
 
 def record_of(path: str | Path) -> Path:
