@@ -109,6 +109,21 @@ def test_every_frame_that_was_read_is_named(folder, tmp_path):
     assert len(json.loads(data.attrs["raw_inputs"])) == 14
 
 
+def test_a_frame_whose_end_row_is_lost_is_no_load_step_and_tells_nothing_of_time(folder, tmp_path):
+    relaxing_record(folder)
+    whole = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.08, 1.11])["relaxation"].values
+    (tmp_path / "out.nc").unlink()
+
+    def lose(rows):
+        near = sorted(rows, key=lambda row: float(row.split(";")[1]))
+        return [*near[:7], *(";".join([*row.split(";")[:2], "0", "0", "0"]) for row in near[7:14]), *near[14:]]
+
+    write_frame(folder, 7, 1.06, lose)
+    data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.08, 1.11])
+    assert json.loads(data.attrs["frames"]) == [5, 9, 12]
+    np.testing.assert_allclose(data["relaxation"], whole, rtol=5e-3)
+
+
 def test_steps_chosen_by_stretch(folder, tmp_path):
     data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.099])
     assert json.loads(data.attrs["frames"]) == [6, 11]

@@ -19,6 +19,8 @@ from scipy.signal import lfilter
 SAMPLES = 400
 #: Relaxation times, as shares of the record. A slower one cannot be told from an elastic sheet.
 TIMES = np.geomspace(0.01, 0.2, 10)
+#: Iterations that one non-negative fit may take.
+FIT_ITERATIONS = 10_000
 #: Alternations between the elastic curve and the shares of the relaxation times.
 ALTERNATIONS = 30
 #: A plainer description is kept as long as its misfit is below this multiple of the fullest one's, or below
@@ -71,10 +73,10 @@ def _fit(times, elastic, target, relaxing: bool):
     memories = np.stack([_memory(columns.T, step, share * (times[-1] - times[0])) for share in TIMES])
     shares = np.zeros(len(TIMES))
     for _ in range(ALTERNATIONS if relaxing else 1):
-        curve = nnls(columns + np.einsum("k,kcs->sc", shares, memories), target)[0]
+        curve = nnls(columns + np.einsum("k,kcs->sc", shares, memories), target, maxiter=FIT_ITERATIONS)[0]
         if relaxing:
             parts = np.column_stack([columns @ curve, np.einsum("c,kcs->sk", curve, memories)])
-            found = nnls(parts, target)[0]
+            found = nnls(parts, target, maxiter=FIT_ITERATIONS)[0]
             # Without an elastic part there would be nothing to which the shares relate.
             shares = found[1:] / max(found[0], 1e-3 * found.sum(), 1e-300)
     return columns @ curve, np.einsum("k,c,kcs->s", shares, curve, memories)

@@ -31,13 +31,14 @@ def _trimmed(series: Series, ring: int) -> Series:
 
 
 def _mean_stretch(series: Series, axis: int) -> np.ndarray:
-    """Mean stretch along the tensile axis of every frame, from the extension between end lines."""
+    """Mean stretch along the tensile axis of every frame, between end lines; NaN where one of them is lost."""
     position = (series.x, series.y)[axis]
     means = []
     for frame in series.frames:
         u = frame.displacement[..., axis]
         ends = (u[:, 0], u[:, -1]) if axis == 0 else (u[0], u[-1])
-        means.append(1.0 + (np.nanmean(ends[1]) - np.nanmean(ends[0])) / (position[-1] - position[0]))
+        low, high = (end[np.isfinite(end)].mean() if np.isfinite(end).any() else np.nan for end in ends)
+        means.append(1.0 + (high - low) / (position[-1] - position[0]))
     return np.array(means)
 
 
@@ -48,13 +49,12 @@ def _select(specimen: Specimen, folder: Path) -> tuple[list[int], Series]:
     full = read_series(folder)
     series = _trimmed(full, specimen.edge_ring)
     stretch = _mean_stretch(series, _AXIS[specimen.load])
+    largest = max(stretch[np.isfinite(stretch)], default=1.0)
     chosen = []
     for target in specimen.stretches:
-        if target > stretch.max():
-            raise DicError(
-                f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {stretch.max():.4g}"
-            )
-        chosen.append(series.frames[int(np.argmin(np.abs(stretch - target)))].number)
+        if target > largest:
+            raise DicError(f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {largest:.4g}")
+        chosen.append(series.frames[int(np.nanargmin(np.abs(stretch - target)))].number)
     if len(set(chosen)) < len(chosen):
         raise DicError(f"{folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart")
     return chosen, full
@@ -88,11 +88,13 @@ def _at_frames(specimen: Specimen, path: Path, numbers: np.ndarray, first: int):
 
 def _relaxation(specimen: Specimen, path: Path, series: Series) -> Relaxation | None:
     """What of the force record is a matter of time, from the stretch of every frame that was read."""
-    if not specimen.relaxation or len(series.frames) <= _FRAMES_FOR_RELAXATION:
+    numbers = np.array([frame.number for frame in series.frames])
+    stretch = _mean_stretch(series, _AXIS[specimen.load])
+    known = np.isfinite(stretch) & (stretch > 0.0)
+    if not specimen.relaxation or known.sum() <= _FRAMES_FOR_RELAXATION:
         return None
     time, force = _force_record(specimen, path)
-    numbers = np.array([frame.number for frame in series.frames])
-    seen, stretch = _frame_times(specimen, numbers, numbers[0]), _mean_stretch(series, _AXIS[specimen.load])
+    seen, stretch = _frame_times(specimen, numbers, numbers[0])[known], stretch[known]
     during = (time >= seen[0]) & (time <= seen[-1])
     if during.sum() < _SAMPLES_FOR_RELAXATION:
         return None
