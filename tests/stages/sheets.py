@@ -38,6 +38,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0):
             "stretch": (("load_step",), load.stretch),
             "H": (("load_step", "i", "J"), load.H),
             "edge_force": (("load_step", "edge", "i"), force),
+            "relaxation": (("load_step",), np.ones(len(u))),
             "edge_constrained": (("load_step", "edge", "i"), held),
         },
         attrs={

@@ -26,6 +26,7 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
             "cells": (("cell", "vertex"), mesh.cells),
             "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
+            "relaxation": (("load_step",), np.ones(1)),
         },
         attrs={"thickness": 0.5},
     )

@@ -66,6 +66,10 @@ class Relaxation:
         return np.interp(time, self.times, self.factor) / self.pace
 
 
+#: A sheet of whose record nothing is a matter of time, as far as one can or wants to know.
+ELASTIC = Relaxation((), np.zeros(1), np.ones(1), 0.0)
+
+
 def _fit(times, elastic, target, relaxing: bool):
     """(elastic curve, relaxing part) by turns: the curve for given shares, the shares for a given curve."""
     step = times[1] - times[0]

@@ -52,9 +52,8 @@ def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np
 
 
 def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
-    """Recorded over elastic force of each step; 1 in files of sheets that do not relax."""
-    steps = measurement.sizes["load_step"]
-    return (measurement["relaxation"].values if "relaxation" in measurement else np.ones(steps))[:, None, None]
+    """Recorded over elastic force of each step, for the components of every edge."""
+    return measurement["relaxation"].values[:, None, None]
 
 
 def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:

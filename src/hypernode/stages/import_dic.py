@@ -9,7 +9,7 @@ from hypernode.dic.davis import DicError, Series, frame_files, read_force_record
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.mechanics.mesh import Mesh, rectilinear
-from hypernode.mechanics.relaxation import Relaxation, fit_relaxation
+from hypernode.mechanics.relaxation import ELASTIC, Relaxation, fit_relaxation
 from hypernode.stages.fields import deformation_gradient
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 
@@ -42,39 +42,34 @@ def _mean_stretch(series: Series, axis: int) -> np.ndarray:
     return np.array(means)
 
 
-def _select(specimen: Specimen, folder: Path) -> tuple[list[int], Series]:
-    """Numbers of the frames that become load steps, and the series of all frames that had to be read."""
+def _select(specimen: Specimen, series: Series) -> np.ndarray:
+    """Numbers of the frames that become load steps."""
     if specimen.frames is not None:
-        return list(specimen.frames), read_series(folder, specimen.frames)
-    full = read_series(folder)
-    series = _trimmed(full, specimen.edge_ring)
+        return np.array(specimen.frames)
     stretch = _mean_stretch(series, _AXIS[specimen.load])
     largest = max(stretch[np.isfinite(stretch)], default=1.0)
     chosen = []
     for target in specimen.stretches:
         if target > largest:
-            raise DicError(f"{folder}: no frame reaches the mean stretch {target:g}; the largest is {largest:.4g}")
+            raise DicError(
+                f"{specimen.folder}: no frame reaches the mean stretch {target:g}; the largest is {largest:.4g}"
+            )
         chosen.append(series.frames[int(np.nanargmin(np.abs(stretch - target)))].number)
     if len(set(chosen)) < len(chosen):
-        raise DicError(f"{folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart")
-    return chosen, full
+        raise DicError(
+            f"{specimen.folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart"
+        )
+    return np.array(chosen)
 
 
-def _frame_times(specimen: Specimen, numbers: np.ndarray, first: int) -> np.ndarray:
+def _frame_times(specimen: Specimen, series: Series, numbers: np.ndarray) -> np.ndarray:
     """Time [s] of each frame in the clock of the force record."""
-    return specimen.first_frame_time + (numbers - first) / specimen.frame_rate
+    return specimen.first_frame_time + (numbers - series.frames[0].number) / specimen.frame_rate
 
 
-def _force_record(specimen: Specimen, path: Path):
-    """(time [s], force [N] less the offset) of every sample."""
-    time, force = read_force_record(path)
-    return time, force - specimen.force_offset
-
-
-def _at_frames(specimen: Specimen, path: Path, numbers: np.ndarray, first: int):
-    """(time [s] of each frame, force [N] interpolated there)."""
-    record_time, record_force = _force_record(specimen, path)
-    time = _frame_times(specimen, numbers, first)
+def _force_at(time: np.ndarray, numbers: np.ndarray, record, path: Path) -> np.ndarray:
+    """Force [N] at the time of each chosen frame, interpolated in the record."""
+    record_time, record_force = record
     late = time > record_time[-1]
     if late.any():
         raise DicError(
@@ -83,22 +78,21 @@ def _at_frames(specimen: Specimen, path: Path, numbers: np.ndarray, first: int):
         )
     if (time < record_time[0]).any():
         raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
-    return time, np.interp(time, record_time, record_force)
+    return np.interp(time, record_time, record_force)
 
 
-def _relaxation(specimen: Specimen, path: Path, series: Series) -> Relaxation | None:
+def _relaxation(specimen: Specimen, series: Series, record) -> Relaxation:
     """What of the force record is a matter of time, from the stretch of every frame that was read."""
-    numbers = np.array([frame.number for frame in series.frames])
     stretch = _mean_stretch(series, _AXIS[specimen.load])
     known = np.isfinite(stretch) & (stretch > 0.0)
     if not specimen.relaxation or known.sum() <= _FRAMES_FOR_RELAXATION:
-        return None
-    time, force = _force_record(specimen, path)
-    seen, stretch = _frame_times(specimen, numbers, numbers[0])[known], stretch[known]
+        return ELASTIC
+    seen = _frame_times(specimen, series, np.array([frame.number for frame in series.frames]))[known]
+    time, force = record
     during = (time >= seen[0]) & (time <= seen[-1])
     if during.sum() < _SAMPLES_FOR_RELAXATION:
-        return None
-    return fit_relaxation(time[during], np.interp(time[during], seen, stretch), force[during])
+        return ELASTIC
+    return fit_relaxation(time[during], np.interp(time[during], seen, stretch[known]), force[during])
 
 
 def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
@@ -128,17 +122,21 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """
     specimen = config.specimens[config.cases[name].specimen]
     folder = Path(specimen.folder)
-    numbers, full = _select(specimen, folder)
+    full = read_series(folder, specimen.frames)
     series = _trimmed(full, specimen.edge_ring)
+    numbers = _select(specimen, series)
     force_path = folder / specimen.force_file
-    time, force = _at_frames(specimen, force_path, np.array(numbers), full.frames[0].number)
-    relaxation = _relaxation(specimen, force_path, series)
+    record_time, record_force = read_force_record(force_path)
+    record = record_time, record_force - specimen.force_offset
+    time = _frame_times(specimen, series, numbers)
+    force = _force_at(time, numbers, record, force_path)
+    relaxation = _relaxation(specimen, series, record)
     by_number = {f.number: f.displacement for f in series.frames}
     chosen = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     valid = ~chosen.lost
     keep = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
     if not keep.any():
-        raise DicError(f"{folder}: no four neighbouring points are measured in all of the frames {numbers}")
+        raise DicError(f"{folder}: no four neighbouring points are measured in all of the frames {numbers.tolist()}")
     mm = specimen.pixel_size
     mesh = rectilinear(series.x * mm, series.y * mm, keep)
     grid = np.stack(np.meshgrid(series.x * mm, series.y * mm), axis=-1).reshape(-1, 2)
@@ -169,7 +167,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "H": H,
             "time": time,
             "edge_force": edge_force,
-            "relaxation": np.ones(len(numbers)) if relaxation is None else relaxation.at(time),
+            "relaxation": relaxation.at(time),
             "edge_constrained": constrained,
             "u_measured": u[None],
         },
@@ -184,8 +182,9 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "displacement_noise": specimen.noise_pixels * mm,
             "force_uncertainty": specimen.force_uncertainty,
             "correlation_window": specimen.correlation_window,
-            "frames": numbers,
-            "pace": relaxation.pace if relaxation else 1.0,
+            "frames": numbers.tolist(),
+            "elastic_terms": list(relaxation.terms),
+            "pace": relaxation.pace,
             "field_corners": field.tolist(),
             "lost_points": int((~valid).sum()),
             "raw_inputs": {

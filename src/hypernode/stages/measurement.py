@@ -67,6 +67,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             measured[repeat] += rng.normal(0.0, noise.sigma, u.shape)
     copied = ("corners", "test", "stretch", "H", "edge_force", "edge_constrained")
     variables = {key: forward[key].values for key in copied}
+    variables["relaxation"] = np.ones(len(forward["test"]))
     variables |= {"X": mesh.nodes, "cells": mesh.cells}
     variables |= {"u_measured": measured, "u_truth": u, "F_truth": deformation_gradient(mesh, u)}
     carried = {key: forward.attrs[key] for key in ("tests", "thickness")}
