@@ -68,6 +68,25 @@ def test_equilibrated_stress_has_no_gap_and_a_wrong_force_has_its_own_size():
     np.testing.assert_allclose(np.sqrt(wrong), 0.2, rtol=1e-4)
 
 
+def test_stress_in_doubt_is_cheaper_to_correct():
+    mesh = rectilinear(graded(8), graded(8))
+    held = edges("equibiaxial")
+    middle = np.all(np.abs(mesh.centres - 0.5) < 0.2, axis=1)
+    P = np.zeros((2, 2, 1, len(mesh.cells)))
+    P[0, 0], P[1, 1] = 1.0, 1.0
+    P[0, 0, 0, middle] = 1.5
+    variance = np.where(middle, 10.0, 1.0)
+
+    def squared(variance):
+        gap = EquilibriumGap.build(mesh, held, held, variance)
+        residuals = gap.residuals(jnp.asarray(P), jnp.array([[1.0, 1.0]]), jnp.ones(1))
+        return sum(float(jnp.sum(r**2)) for r in residuals)
+
+    certain = squared(1.0)
+    np.testing.assert_allclose(squared(np.full(len(mesh.cells), 4.0)), certain / 4.0, rtol=1e-3)
+    assert certain / 10.0 < squared(variance) < certain / 2.0
+
+
 def test_gap_does_not_punish_a_rigid_translation_that_nothing_holds():
     mesh = rectilinear(graded(6), graded(6))
     held = edges("uniaxial_x")

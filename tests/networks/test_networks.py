@@ -119,3 +119,10 @@ def test_network_weights_round_trip():
     arrays = {name: value for name, (_, value) in to_arrays(network, "net").items()}
     assert not np.allclose(network(X, t), other(X, t))
     np.testing.assert_array_equal(from_arrays(other, arrays, "net")(X, t), network(X, t))
+
+
+def test_fibres_begin_with_little_dispersion_and_families_apart():
+    material = NodeMaterial(("I1", "I1_I4v", "I4v_I4w"), (4,), 2, 0.4, 1.0)
+    params = material.initial_params(jax.random.key(0))
+    dispersed, coupled = jax.nn.sigmoid(material.split(params)[1])
+    assert 0.05 < dispersed < 0.2 and coupled > 0.95

@@ -27,8 +27,8 @@ def nodal_force_matrices(mesh: Mesh) -> list[scipy.sparse.csr_matrix]:
     return [scipy.sparse.csr_matrix((gradient[:, :, J].ravel(), (rows, columns)), shape) for J in range(2)]
 
 
-def stiffness_matrix(mesh: Mesh) -> scipy.sparse.csr_matrix:
-    """Integral of grad N_a . grad N_b, by 2 x 2 Gauss points of bilinear quadrilaterals."""
+def stiffness_matrix(mesh: Mesh, conductivity=1.0) -> scipy.sparse.csr_matrix:
+    """Integral of k grad N_a . grad N_b, by 2 x 2 Gauss points of bilinear quadrilaterals, k one or by cell."""
     corner = mesh.nodes[mesh.cells]
     g = 1.0 / np.sqrt(3.0)
     total = np.zeros((len(mesh.cells), 4, 4))
@@ -38,6 +38,7 @@ def stiffness_matrix(mesh: Mesh) -> scipy.sparse.csr_matrix:
         jacobian = np.einsum("cai,aj->cij", corner, local)
         gradient = np.einsum("aj,cjJ->caJ", local, np.linalg.inv(jacobian))
         total += np.einsum("caJ,cbJ,c->cab", gradient, gradient, np.linalg.det(jacobian))
+    total *= np.broadcast_to(conductivity, len(total))[:, None, None]
     rows = np.repeat(mesh.cells, 4, axis=1).ravel()
     columns = np.tile(mesh.cells, (1, 4)).ravel()
     n = len(mesh.nodes)
@@ -127,7 +128,7 @@ class EquilibriumGap:
 
     @classmethod
     def build(
-        cls, mesh: Mesh, constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"]
+        cls, mesh: Mesh, constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"], variance=1.0
     ) -> "EquilibriumGap":
         """Assemble for one test.
 
@@ -135,8 +136,10 @@ class EquilibriumGap:
             mesh: the measured grid.
             constrained: whether each edge's displacement component is prescribed.
             measured: whether the resultant of each edge and component is known.
+            variance: of the stress in each cell over the mean one (cell,); stress that is in doubt is cheaper to
+                correct, and the gap is what the cheapest correction costs.
         """
-        D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
+        D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh, variance)
         whitened, loads, tied = [], [], []
         for component in range(2):
             T, energy, edge = _test_energy(mesh, K, component, constrained, measured)

@@ -11,6 +11,9 @@ from hypernode.mechanics.kinematics import in_plane_trace
 from hypernode.networks.potentials import POTENTIALS, Potential
 from hypernode.networks.terms import INVARIANTS, TERMS
 
+#: Where the logit of a mixture begins: fibres with little dispersion, two families that are not coupled. What one test
+#: tells of a mixture is little, and it stays near its start.
+MIXTURE_START = {"I1": -2.0, "I4v": 4.0}
 #: Cost of one unit of stress of a further contribution, beside the squares of weights, in the plainness prior.
 AMOUNT_COST = 0.3
 
@@ -165,7 +168,8 @@ class NodeMaterial:
         start = {"I1": 0.4, "I2": 0.05}
         shares = [self.share] * len(self.terms) if self.scaled else []
         constants = jnp.log(jnp.array([start[name] for name in self.constants] + shares))
-        return self.join(weights, jnp.zeros(len(self.mixtures)), constants, jnp.zeros(()))
+        mixture = jnp.array([MIXTURE_START.get(TERMS[term][0], 0.0) for term in self.mixtures])
+        return self.join(weights, mixture, constants, jnp.zeros(()))
 
     def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:
         """Mean over points of how far the material is from the plainest one, a neo-Hookean sheet.

@@ -3,12 +3,17 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from hypernode.config import Interpolant
+from hypernode.mechanics.mesh import Mesh
 from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
 from hypernode.stages.fields import mesh_of
 from hypernode.stages.optimisation import minimise
 from hypernode.storage.netcdf import read, units_of, write
+
+#: Variance of the interpolant in a cell that it meets, as a share of the mean one.
+LEAST_VARIANCE = 0.1
 
 
 class InterpolatedGradient:
@@ -40,6 +45,16 @@ class InterpolatedGradient:
         ]
         H = jnp.concatenate(values)[self._order].reshape(len(self._t), -1, 2, 2)
         return jnp.moveaxis(H + jnp.eye(2), (2, 3), (0, 1))
+
+
+def relative_variance(mesh: Mesh, misfit: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, " cell"]:
+    """How uncertain F is in a cell, over the mean of the sheet: the squared misfit there and in the cells around it."""
+    squared = np.mean(np.sum(misfit**2, axis=(2, 3)), axis=0)
+    count = np.bincount(mesh.cells.ravel())
+    nodal = np.bincount(mesh.cells.ravel(), np.repeat(squared, 4)) / np.maximum(count, 1)
+    around = nodal[mesh.cells].mean(axis=1)
+    variance = around / max(around.mean(), np.finfo(float).tiny) + LEAST_VARIANCE
+    return variance / variance.mean()
 
 
 def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict) -> None:
@@ -85,5 +100,6 @@ def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output:
     }
     axes = (1, 2, 3)
     variables["F_interpolated"] = fitted
+    variables["gradient_variance"] = relative_variance(mesh, fitted - F)
     variables["misfit"] = np.sqrt(np.sum((fitted - F) ** 2, axis=axes) / np.sum((F - np.eye(2)) ** 2, axis=axes))
     write(output, variables, f"interpolated deformation gradient of {name}", described, parents=[gradient_file])

@@ -51,7 +51,8 @@ class InverseProblem:
 
     Attributes:
         mesh: the measured grid; ``X`` are its cell centres scaled to the longest side (cell, 2).
-        F: deformation gradient at the centres [i, J, step, cell].
+        F: deformation gradient at the centres [i, J, step, cell]; ``variance`` is how uncertain it is in a cell, over
+            the mean.
         gaps: one equilibrium measure a test.
         spec: fields of the neural-ODE material.
         centre: homogenised parameters, about which the prior is centred.
@@ -61,6 +62,7 @@ class InverseProblem:
     mesh: Mesh
     X: jax.Array
     F: jax.Array
+    variance: np.ndarray
     loading: Loading
     spec: dict
     centre: jax.Array
@@ -78,7 +80,7 @@ class InverseProblem:
             files: ``measurement``, ``field`` (interpolant or gradient), ``homogenised``, and where the
                 method has one ``constrained``.
         """
-        measurement, homogenised = read(files["measurement"]), read(files["homogenised"])
+        measurement, homogenised, field = (read(files[key]) for key in ("measurement", "homogenised", "field"))
         mesh = mesh_of(measurement)
         length = float(mesh.size.max())
         spec = {k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(homogenised.attrs["node"]).items()}
@@ -86,7 +88,8 @@ class InverseProblem:
             name,
             mesh,
             jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32),
-            jnp.asarray(field_gradient(read(files["field"])), jnp.float32),
+            jnp.asarray(field_gradient(field), jnp.float32),
+            field["gradient_variance"].values if "gradient_variance" in field else np.ones(len(mesh.cells)),
             Loading.of(measurement),
             spec,
             jnp.asarray(homogenised["node_params"].values, jnp.float32),
@@ -148,7 +151,7 @@ class InverseProblem:
         return [
             (
                 np.flatnonzero(loading.test == k),
-                EquilibriumGap.build(self.mesh, loading.constrained[k], loading.known[k]),
+                EquilibriumGap.build(self.mesh, loading.constrained[k], loading.known[k], self.variance),
             )
             for k in range(loading.test.max() + 1)
         ]
