@@ -27,7 +27,7 @@ def nodal_force_matrices(mesh: Mesh) -> list[scipy.sparse.csr_matrix]:
     return [scipy.sparse.csr_matrix((gradient[:, :, J].ravel(), (rows, columns)), shape) for J in range(2)]
 
 
-def stiffness_matrix(mesh: Mesh, conductivity=1.0) -> scipy.sparse.csr_matrix:
+def stiffness_matrix(mesh: Mesh, conductivity: float | Float[np.ndarray, " cell"] = 1.0) -> scipy.sparse.csr_matrix:
     """Integral of k grad N_a . grad N_b, by 2 x 2 Gauss points of bilinear quadrilaterals, k one or by cell."""
     corner = mesh.nodes[mesh.cells]
     g = 1.0 / np.sqrt(3.0)
@@ -128,7 +128,11 @@ class EquilibriumGap:
 
     @classmethod
     def build(
-        cls, mesh: Mesh, constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"], variance=1.0
+        cls,
+        mesh: Mesh,
+        constrained: Bool[np.ndarray, "edge 2"],
+        measured: Bool[np.ndarray, "edge 2"],
+        variance: float | Float[np.ndarray, " cell"] = 1.0,
     ) -> "EquilibriumGap":
         """Assemble for one test.
 

@@ -62,6 +62,8 @@ def run(
         )
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "test", "stretch")}
     variables["F"] = F
+    # No cell of it is in more doubt than another; an interpolant knows where it misses F.
+    variables["gradient_variance"] = np.ones(len(mesh.cells))
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
         variables["snr"] = signal_to_noise(F, variables["F_truth"])

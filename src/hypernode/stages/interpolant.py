@@ -50,8 +50,7 @@ class InterpolatedGradient:
 def relative_variance(mesh: Mesh, misfit: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, " cell"]:
     """How uncertain F is in a cell, over the mean of the sheet: the squared misfit there and in the cells around it."""
     squared = np.mean(np.sum(misfit**2, axis=(2, 3)), axis=0)
-    count = np.bincount(mesh.cells.ravel())
-    nodal = np.bincount(mesh.cells.ravel(), np.repeat(squared, 4)) / np.maximum(count, 1)
+    nodal = np.bincount(mesh.cells.ravel(), np.repeat(squared, 4)) / np.bincount(mesh.cells.ravel())
     around = nodal[mesh.cells].mean(axis=1)
     variance = around / max(around.mean(), np.finfo(float).tiny) + LEAST_VARIANCE
     return variance / variance.mean()

@@ -89,7 +89,7 @@ class InverseProblem:
             mesh,
             jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32),
             jnp.asarray(field_gradient(field), jnp.float32),
-            field["gradient_variance"].values if "gradient_variance" in field else np.ones(len(mesh.cells)),
+            field["gradient_variance"].values,
             Loading.of(measurement),
             spec,
             jnp.asarray(homogenised["node_params"].values, jnp.float32),

@@ -84,7 +84,7 @@ VARIABLES = {
     "t": Variable(("load_step",), "1", "load parameter of the interpolant, 1 at the last step of a test"),
     "amplitude": Variable(("load_step",), "1", "root mean square of F - I"),
     "gradient_variance": Variable(
-        ("cell",), "1", "variance of F in a cell over the mean one, from the misfit around it"
+        ("cell",), "1", "variance of F in a cell over the mean one, of an interpolant from its misfit there"
     ),
     "misfit": Variable(("load_step",), "1", "relative L2 misfit of the interpolant, of F - I"),
     # training
