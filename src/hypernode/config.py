@@ -214,12 +214,14 @@ class Training(Optimiser):
     mean over the points, and the divergence of the transposed stress.
     ``target_weight`` keeps the target of the pre-training (the stress of the constrained field, or the
     uniform stress) beside it, which decides among the stress fields that one noisy test cannot tell apart.
+    ``variation_weight`` is the cost of the stress's total variation under the sheet's mean deformation.
     """
 
     equilibrium: Literal["strong", "autodiff", "equilibrated", "batch_mean", "wrong_index"] = "equilibrated"
     equilibrium_weight: NonNegative = 1.0
     force_weight: NonNegative = 1.0
     target_weight: NonNegative = 0.0
+    variation_weight: NonNegative = 0.0
 
 
 class Constrained(Section):

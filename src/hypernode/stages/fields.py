@@ -27,6 +27,11 @@ def field_gradient(dataset: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
     return np.moveaxis(dataset[name].values, (2, 3), (0, 1))
 
 
+def mean_gradient(mesh: Mesh, F: Float[np.ndarray, "2 2 step cell"]) -> Float[np.ndarray, "2 2 step 1"]:
+    """Mean of F over the sheet."""
+    return np.sum(F * (mesh.areas / mesh.areas.sum()), axis=-1, keepdims=True)
+
+
 def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
     """Prescribed displacements: the measured ones on every held edge, smoothed along it.
 

@@ -11,7 +11,7 @@ from hypernode.config import Method
 from hypernode.material import node_stress
 from hypernode.mechanics.kinematics import invariants
 from hypernode.networks.node_material import NodeMaterial
-from hypernode.stages.fields import Loading, field_gradient, mesh_of
+from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
 from hypernode.stages.optimisation import minimise
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -28,8 +28,7 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
     """
     measurement, field = read(measurement_file), read(field_file)
     loading, mesh = Loading.of(measurement), mesh_of(measurement)
-    weights = mesh.areas / mesh.areas.sum()
-    mean_F = jnp.asarray(np.sum(field_gradient(field) * weights, axis=-1, keepdims=True), jnp.float32)
+    mean_F = jnp.asarray(mean_gradient(mesh, field_gradient(field)), jnp.float32)
     largest = max(float(jnp.max(invariants(mean_F, jnp.zeros(()))[k])) - 3.0 for k in range(2))
     node = NodeMaterial(
         tuple(method.node.terms),

@@ -10,6 +10,7 @@ import numpy as np
 from hypernode.config import Method, Training
 from hypernode.material import node_stress
 from hypernode.mechanics.equilibrium import nodal_force_matrices
+from hypernode.stages.fields import mean_gradient
 from hypernode.stages.interpolant import InterpolatedGradient
 from hypernode.stages.inverse_problem import InverseProblem
 from hypernode.stages.optimisation import minimise
@@ -17,6 +18,8 @@ from hypernode.storage.netcdf import read
 
 #: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
 DEFAULT_POINTS = 250
+#: Jumps of the stress from cell to cell below this share of the load's are smoothed rather than counted.
+SMALLEST_JUMP = 0.02
 
 
 def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
@@ -166,6 +169,28 @@ LOSSES = {
 }
 
 
+def variation(problem: InverseProblem) -> Callable:
+    """Total variation of the stress of the sheet under its mean deformation, as a function of node_params (size, cell).
+
+    Sum over shared sides of length x |jump of P| for the mean F of the largest step of each test, over the sheet's
+    length and the load's stress: the length of a contour times the contrast across it. Stress along stiff fibres
+    that varies from one fibre to the next is in equilibrium whatever it is, and the gap does not see it.
+    """
+    sides, length, _ = problem.mesh.neighbours()
+    share = jnp.asarray(length / problem.length, jnp.float32)
+    largest = np.flatnonzero(problem.loading.t == 1.0)
+    F = mean_gradient(problem.mesh, np.asarray(problem.F)[:, :, largest])
+    F = jnp.broadcast_to(jnp.asarray(F, jnp.float32), (*F.shape[:3], len(problem.mesh.cells)))
+    scale = problem.scale[largest][:, None]
+
+    def total(node_params):
+        P = node_stress(problem.node, F, node_params) / scale
+        jump = P[..., sides[:, 1]] - P[..., sides[:, 0]]
+        return jnp.sum(share * jnp.sqrt(jnp.sum(jump**2, axis=(0, 1, 2)) + SMALLEST_JUMP**2))
+
+    return total
+
+
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
     """Train the hyper-network on equilibrium and resultants (equation ``main_loss_function``).
 
@@ -181,12 +206,15 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
         return
     physics = LOSSES[settings.equilibrium](problem, settings)
     target = problem.target() if settings.target_weight > 0 else None
+    jumps = variation(problem) if settings.variation_weight > 0 else None
 
     def loss(params, key):
-        """Equilibrium and forces, the prior, and the target where it is configured."""
+        """Equilibrium and forces, the prior, and the variation and the target where they are configured."""
         network = apply(params)
         node_params = network(problem.X).T
         total = physics(network, key) + method.prior_weight * problem.node.departure(node_params, problem.centre)
+        if settings.variation_weight > 0:
+            total += settings.variation_weight * jumps(node_params)
         if settings.target_weight > 0:
             # Summed over the components, as the squared gap is.
             total += 4.0 * settings.target_weight * target.misfit(problem.node, node_params)
