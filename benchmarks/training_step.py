@@ -15,6 +15,7 @@ import argparse
 import json
 import os
 import time
+from itertools import pairwise
 from pathlib import Path
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
@@ -33,7 +34,7 @@ from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.mechanics.stress import first_piola_kirchhoff
-from hypernode.networks.neural_ode import unflatten
+from hypernode.networks.neural_ode import layer_sizes
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import INVARIANTS, TERMS
 from hypernode.networks.weights import make_network, split_trainable
@@ -70,6 +71,7 @@ def pointwise_derivatives(node, I, node_params):
             v = jnp.tanh(matrix @ v)
         return (matrices[-1] @ v)[0]
 
+    sizes = layer_sizes(node.hidden)
     total = {name: jnp.zeros(()) for name in INVARIANTS}
     for index, term in enumerate(node.terms):
         names = TERMS[term]
@@ -77,7 +79,10 @@ def pointwise_derivatives(node, I, node_params):
         shares = dict(zip(names, (a, 1.0 - a), strict=False))
         h = sum(share * shifted[name] for name, share in shares.items()) / node.invariant_scale
         h = jnp.maximum(h, 0.0) if "4" in term else h
-        matrices, dt = unflatten(weights[:, index], node.hidden), 1.0 / node.steps
+        ends = np.cumsum([a * b for a, b in pairwise(sizes)])[:-1]
+        flat = jnp.split(weights[:, index], ends)
+        matrices = [part.reshape(b, a) for part, (a, b) in zip(flat, pairwise(sizes), strict=True)]
+        dt = 1.0 / node.steps
         for _ in range(node.steps):
             k1 = slope(h, matrices)
             k2 = slope(h + 0.5 * dt * k1, matrices)

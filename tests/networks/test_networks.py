@@ -10,7 +10,7 @@ from flax import nnx
 
 from hypernode.config import Frequencies
 from hypernode.material import node_stress
-from hypernode.networks.neural_ode import LARGEST_SLOPE, flatten, flow, unflatten, weight_count
+from hypernode.networks.neural_ode import LARGEST_SLOPE, flow, unflatten, weight_count
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.potentials import POTENTIALS
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
@@ -82,9 +82,11 @@ def test_flow_converges_with_fourth_order():
     assert np.log2(errors[1] / errors[2]) > 3.5
 
 
-def test_weights_flatten_back_to_themselves():
+def test_weights_are_taken_row_by_row_and_each_once():
     weights = jnp.arange(24.0 * 3).reshape(24, 3)
-    np.testing.assert_array_equal(flatten(unflatten(weights, (4, 4))), weights)
+    layers = unflatten(weights, (4, 4))
+    assert [np.shape(layer) for layer in layers] == [(4, 1, 3), (4, 4, 3), (1, 4, 3)]
+    np.testing.assert_array_equal([weight for layer in layers for row in layer for weight in row], weights)
 
 
 def test_output_width_is_the_published_one():
