@@ -71,7 +71,8 @@ def pointwise_derivatives(node, I, node_params):
             v = jnp.tanh(matrix @ v)
         return (matrices[-1] @ v)[0]
 
-    sizes = layer_sizes(node.hidden)
+    shapes = [(b, a) for a, b in pairwise(layer_sizes(node.hidden))]
+    ends = np.cumsum([a * b for a, b in shapes])[:-1]
     total = {name: jnp.zeros(()) for name in INVARIANTS}
     for index, term in enumerate(node.terms):
         names = TERMS[term]
@@ -79,9 +80,8 @@ def pointwise_derivatives(node, I, node_params):
         shares = dict(zip(names, (a, 1.0 - a), strict=False))
         h = sum(share * shifted[name] for name, share in shares.items()) / node.invariant_scale
         h = jnp.maximum(h, 0.0) if "4" in term else h
-        ends = np.cumsum([a * b for a, b in pairwise(sizes)])[:-1]
-        flat = jnp.split(weights[:, index], ends)
-        matrices = [part.reshape(b, a) for part, (a, b) in zip(flat, pairwise(sizes), strict=True)]
+        parts = jnp.split(weights[:, index], ends)
+        matrices = [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
         dt = 1.0 / node.steps
         for _ in range(node.steps):
             k1 = slope(h, matrices)

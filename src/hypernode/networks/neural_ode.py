@@ -15,6 +15,8 @@ from jaxtyping import Array, Float
 #: Largest slope of f times a step for which one RK4 step is increasing. Its derivative is linear in each of the
 #: slopes at the four stages, so its minimum over slopes within +-s is at a corner; it is positive to s = 1.59.
 LARGEST_SLOPE = 1.5
+#: Weights [out][in] of one layer.
+Matrix = list[list[Float[Array, "..."]]]
 
 
 def layer_sizes(hidden: Sequence[int]) -> tuple[int, ...]:
@@ -27,7 +29,7 @@ def weight_count(hidden: Sequence[int]) -> int:
     return sum(a * b for a, b in pairwise(layer_sizes(hidden)))
 
 
-def unflatten(weights: Float[Array, "k ..."], hidden: Sequence[int]) -> list[list[list[Float[Array, "..."]]]]:
+def unflatten(weights: Float[Array, "k ..."], hidden: Sequence[int]) -> list[Matrix]:
     """Weights [layer][out][in] of the right-hand side from the flat ones, each an array of its own.
 
     Reverse mode then adds up each of them by itself. Of slices of one array it would add up whole arrays that are
@@ -37,7 +39,7 @@ def unflatten(weights: Float[Array, "k ..."], hidden: Sequence[int]) -> list[lis
     return [[[next(each) for _ in range(a)] for _ in range(b)] for a, b in pairwise(layer_sizes(hidden))]
 
 
-def slope_bound(matrices: Sequence) -> Float[Array, "..."]:
+def slope_bound(matrices: Sequence[Matrix]) -> Float[Array, "..."]:
     """Upper bound of |df/dh|: the product of the layers' absolute weights, as tanh has slope one at most."""
     bound = [1.0]
     for matrix in matrices:
@@ -45,7 +47,7 @@ def slope_bound(matrices: Sequence) -> Float[Array, "..."]:
     return bound[0]
 
 
-def right_hand_side(h: Float[Array, "..."], matrices: Sequence) -> Float[Array, "..."]:
+def right_hand_side(h: Float[Array, "..."], matrices: Sequence[Matrix]) -> Float[Array, "..."]:
     """f(h): tanh between bias-free layers, linear last; f(0) = 0 because there are no biases."""
     layer = [h]
     for depth, matrix in enumerate(matrices):
@@ -73,8 +75,8 @@ def flow(
     """
     matrices = unflatten(weights, hidden)
     dt = 1.0 / steps
-    slope = jnp.maximum(1.0, slope_bound(matrices) * dt / LARGEST_SLOPE)
-    matrices[-1] = [[weight / slope for weight in row] for row in matrices[-1]]
+    excess = jnp.maximum(1.0, slope_bound(matrices) * dt / LARGEST_SLOPE)
+    matrices[-1] = [[weight / excess for weight in row] for row in matrices[-1]]
 
     @jax.checkpoint
     def step(h, _):

@@ -18,7 +18,7 @@ from hypernode.material import basis_field
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
 from hypernode.mechanics.mesh import Mesh
-from hypernode.stages.fields import Loading, field_gradient, mesh_of
+from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Smoothness weights that cross-validation chooses from, over the mean diagonal of the data's normal matrix.
@@ -44,8 +44,7 @@ def homogeneous_modulus(mesh: Mesh, loading: Loading, F) -> float:
     Raises:
         BaselineError: the forces are those of no material.
     """
-    mean = np.sum(F * mesh.areas, axis=-1, keepdims=True) / mesh.areas.sum()
-    unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(mean), jnp.zeros((1, 1))))[..., 0]
+    unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(mean_gradient(mesh, F)), jnp.zeros((1, 1))))[..., 0]
     known, scale = loading.measured, loading.scale[:, None]
     unit = np.stack([unit[i, i] for i in range(2)], axis=1)[known] / np.broadcast_to(scale, known.shape)[known]
     target = (np.stack([loading.P_average[:, i, i] for i in range(2)], axis=1) / scale)[known]

@@ -5,7 +5,7 @@ import scipy.sparse
 
 from hypernode.mechanics.mesh import Mesh
 
-#: Jumps of the parameters below this size are smoothed rather than counted.
+#: Relative jumps below this size are smoothed rather than counted.
 SMALLEST_JUMP = 0.02
 #: What a jump of each parameter counts, against one of the logarithm of the stiffness.
 JUMP_SHARE = {"log_level": 1.0, "logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}

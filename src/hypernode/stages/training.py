@@ -13,13 +13,12 @@ from hypernode.mechanics.equilibrium import nodal_force_matrices
 from hypernode.stages.fields import mean_gradient
 from hypernode.stages.interpolant import InterpolatedGradient
 from hypernode.stages.inverse_problem import InverseProblem
+from hypernode.stages.jumps import SMALLEST_JUMP
 from hypernode.stages.optimisation import minimise
 from hypernode.storage.netcdf import read
 
 #: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
 DEFAULT_POINTS = 250
-#: Jumps of the stress from cell to cell below this share of the load's are smoothed rather than counted.
-SMALLEST_JUMP = 0.02
 
 
 def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
@@ -205,20 +204,19 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
         problem.save(output, apply(params), untrained, "identified material", attributes)
         return
     physics = LOSSES[settings.equilibrium](problem, settings)
-    target = problem.target() if settings.target_weight > 0 else None
-    jumps = variation(problem) if settings.variation_weight > 0 else None
+    # (weight, cost of node_params) of what decides where equilibrium and forces do not.
+    costs = [(method.prior_weight, lambda node_params: problem.node.departure(node_params, problem.centre))]
+    if settings.variation_weight > 0:
+        costs.append((settings.variation_weight, variation(problem)))
+    if settings.target_weight > 0:
+        # Summed over the components, as the squared gap is.
+        costs.append((4.0 * settings.target_weight, partial(problem.target().misfit, problem.node)))
 
     def loss(params, key):
-        """Equilibrium and forces, the prior, and the variation and the target where they are configured."""
+        """Equilibrium and forces, and what else the material costs."""
         network = apply(params)
         node_params = network(problem.X).T
-        total = physics(network, key) + method.prior_weight * problem.node.departure(node_params, problem.centre)
-        if settings.variation_weight > 0:
-            total += settings.variation_weight * jumps(node_params)
-        if settings.target_weight > 0:
-            # Summed over the components, as the squared gap is.
-            total += 4.0 * settings.target_weight * target.misfit(problem.node, node_params)
-        return total
+        return sum((weight * cost(node_params) for weight, cost in costs), start=physics(network, key))
 
     params, *history = minimise(loss, params, settings, stage="main training", case=name, seed=method.seed)
     problem.save(output, apply(params), history, "identified material", attributes)
