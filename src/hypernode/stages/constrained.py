@@ -44,7 +44,10 @@ UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
 CHANCE = 3.0
 #: Before more terms follow, the stiffness is good enough once its misfit has fallen by less than this share in this
 #: many iterations, or its cost by less than ``PLAIN_TOLERANCE`` in one.
-PLATEAU_SHARE, PLATEAU_ITERATIONS, PLAIN_TOLERANCE = 0.2, 3, 5e-3
+PLAIN_PLATEAU, PLAIN_TOLERANCE = (0.2, 3), 5e-3
+#: Where further terms may follow, a test that is not explained waits for them once its misfit has fallen by less than
+#: this share in this many iterations.
+UNEXPLAINED_PLATEAU = 0.1, 5
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
@@ -106,18 +109,18 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     def problem_of(*terms):
         return FieldProblem(measurement, settings.model_copy(update={"terms": list(terms)}))
 
-    def with_terms(terms, before, more_follow=False):
-        reached = descend(problem_of(*terms), settings, name, before, more_follow)
+    def with_terms(terms, before, follow=""):
+        reached = descend(problem_of(*terms), settings, name, before, follow)
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
-    more = settings.terms != first
-    plain = with_terms(first, None, more_follow=more)
-    tried = [with_terms(settings.terms, plain)] if more else [plain]
+    more, further = settings.terms != first, "further terms" if settings.further_terms else ""
+    plain = with_terms(first, None, "terms" if more else further)
+    tried = [with_terms(settings.terms, plain, further)] if more else [plain]
     if more and tried[0].doubtful:
-        tried.append(with_terms(settings.terms, None))
+        tried.append(with_terms(settings.terms, None, further))
     if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
         tried.append(with_terms([*settings.terms, *settings.further_terms], plain))
     found = min(tried, key=lambda each: each.cost)
@@ -152,7 +155,7 @@ def _first_field(problem: FieldProblem, before: Found | None):
 
 
 def descend(
-    problem: FieldProblem, settings: Constrained, name: str, before: Found | None = None, more_follow: bool = False
+    problem: FieldProblem, settings: Constrained, name: str, before: Found | None = None, follow: str = ""
 ) -> Found:
     """The parameter field whose equilibrium is closest to the data, and its states.
 
@@ -161,7 +164,8 @@ def descend(
 
     Args:
         before: what the stiffness alone found, to begin from; the homogeneous sheet without it.
-        more_follow: whether more terms follow, so that it ends where it no longer gains much.
+        follow: "terms" where they follow the stiffness, so that it ends where it no longer gains much; "further
+            terms" where they follow if this does not explain the test, so that it ends where it will not.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -179,8 +183,9 @@ def descend(
     # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
     jumps.scale = None if before is None else settings.jump_scale
     objective = Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
-    progress = Progress("stiffness field" if more_follow else "constrained field", name, settings.iterations)
-    tolerance = PLAIN_TOLERANCE if more_follow else settings.tolerance
+    plain = follow == "terms"
+    progress = Progress("stiffness field" if plain else "constrained field", name, settings.iterations)
+    tolerance = PLAIN_TOLERANCE if plain else settings.tolerance
     damping, history = 1.0, [objective.misfit(states) / problem.sigma]
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
@@ -203,7 +208,8 @@ def descend(
             jumps.scale = settings.jump_scale
         else:
             settled = close and jumps.isotropic and (cost - after) / cost < tolerance
-            if settled or (more_follow and _on_plateau(history)):
+            hopeless = follow and history[-1] > UNEXPLAINED and _on_plateau(history, *UNEXPLAINED_PLATEAU)
+            if settled or hopeless or (plain and _on_plateau(history, *PLAIN_PLATEAU)):
                 break
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic = settings.jump_scale, True
@@ -211,10 +217,10 @@ def descend(
     return Found(objective, params, states, np.array(history), cost)
 
 
-def _on_plateau(history) -> bool:
-    """Whether a misfit that is not explained, and was followed beyond the convex start, no longer falls."""
-    followed = len(history) > CONVEX_ITERATIONS + PLATEAU_ITERATIONS
-    return followed and history[-1] > (1.0 - PLATEAU_SHARE) * history[-1 - PLATEAU_ITERATIONS]
+def _on_plateau(history, share: float, iterations: int) -> bool:
+    """Whether a misfit, followed beyond the convex start, has fallen by less than ``share`` in ``iterations``."""
+    followed = len(history) > CONVEX_ITERATIONS + iterations
+    return followed and history[-1] > (1.0 - share) * history[-1 - iterations]
 
 
 def _line_search(objective, params, states, sigma, linear, change, before, longest):

@@ -229,43 +229,44 @@ class FieldProblem:
 
 
 class Linearised:
-    """The Jacobian of the residuals at one material field, as products with it and its transpose.
+    """The Jacobian J (residual, parameter) at one material field, as products with it and its transpose.
 
-    With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The
-    factors of K serve both products, so that each costs one back-substitution a load step.
+    With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The factors of K serve
+    both products, so that each costs one back-substitution a load step. Residuals are the seen displacements step by
+    step, then the forces, over their uncertainties; products take one vector or the columns of a matrix.
     """
 
     def __init__(self, states, tangents, B, observe, forces, sigma):
-        self.B, self.forces, self.sigma = B, forces, sigma
-        self._free = [s.free for s in states]
-        self.factors = [factorise(K[free][:, free]) for K, free in zip(tangents, self._free, strict=True)]
-        self._observe = [W[:, free] for W, free in zip(observe, self._free, strict=True)]
-        self._stiffness = [(tangents[f.step] @ f.direction)[self._free[f.step]] for f in forces]
+        free = [s.free for s in states]
+        self.sigma = sigma
+        self.factors = [factorise(K[f][:, f]) for K, f in zip(tangents, free, strict=True)]
+        self._load = [each[f] for each, f in zip(B, free, strict=True)]
+        self._load_transposed = [each.T.tocsr() for each in self._load]
+        self._observe = [W[:, f] for W, f in zip(observe, free, strict=True)]
+        self._ends = np.cumsum([W.shape[0] for W in self._observe])
+        self._force_rows = np.zeros((len(forces), B[0].shape[1]))
+        for row, f in zip(self._force_rows, forces, strict=True):
+            response = self.factors[f.step].solve((tangents[f.step] @ f.direction)[free[f.step]])
+            row[:] = (B[f.step].T @ f.direction - self._load_transposed[f.step] @ response) / f.sigma
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(residuals, parameters)."""
+        return int(self._ends[-1]) + len(self._force_rows), self._force_rows.shape[1]
 
     def displacement(self, change) -> list[np.ndarray]:
         """First-order change of the free displacements of every step."""
-        steps = zip(self.factors, self.B, self._free, strict=True)
-        return [-factor.solve((B @ change)[free]) for factor, B, free in steps]
+        return [-factor.solve(load @ change) for factor, load in zip(self.factors, self._load, strict=True)]
 
     def forward(self, change):
-        """J change, as (displacement parts, force part)."""
-        du = self.displacement(change)
-        f = [
-            (f.direction @ (self.B[f.step] @ change) + stiffness @ du[f.step]) / f.sigma
-            for f, stiffness in zip(self.forces, self._stiffness, strict=True)
-        ]
-        return [W @ d / self.sigma for W, d in zip(self._observe, du, strict=True)], np.array(f)
+        """J change."""
+        seen = [W @ du / self.sigma for W, du in zip(self._observe, self.displacement(change), strict=True)]
+        return np.concatenate([*seen, self._force_rows @ change])
 
-    def adjoint(self, u_parts, f_part):
+    def adjoint(self, residual):
         """J^T residual."""
-        total = 0.0
-        for step, (factor, B, free) in enumerate(zip(self.factors, self.B, self._free, strict=True)):
-            load = self._observe[step].T @ u_parts[step] / self.sigma
-            full = np.zeros(B.shape[0])
-            for f, stiffness, value in zip(self.forces, self._stiffness, f_part, strict=True):
-                if f.step == step:
-                    load = load + stiffness * (value / f.sigma)
-                    full += f.direction * (value / f.sigma)
-            full[free] -= factor.solve(load)
-            total = total + B.T @ full
+        *seen, forces = np.split(residual, self._ends)
+        total = self._force_rows.T @ forces
+        for factor, load, W, part in zip(self.factors, self._load_transposed, self._observe, seen, strict=True):
+            total -= load @ factor.solve(W.T @ part / self.sigma)
         return total

@@ -4,12 +4,11 @@ import dataclasses
 
 import numpy as np
 import scipy.sparse
-import scipy.sparse.linalg
 from jaxtyping import Float
 
-from hypernode.stages.equilibrium_solver import factorise
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.jumps import Jumps
+from hypernode.stages.recycling import RecyclingSolver
 
 #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
 LINEAR_ITERATIONS = (150, 200)
@@ -32,6 +31,8 @@ class Objective:
     jump_weight: float
     ridge: np.ndarray
     centre: np.ndarray
+    #: What the last step learned of the normal equations, for the next one's.
+    known: np.ndarray | None = None
 
     def misfit(self, states) -> float:
         """Root mean square of the displacement misfit."""
@@ -50,9 +51,11 @@ class Objective:
         linear, gradient, curvature = self.data_model(params, states, sigma)
         regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
         gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
-        solve = _normal_equations(linear, regular, np.tile(CURVATURE_SHARE * curvature, len(params)))
+        system = self._normal_equations(linear, regular, curvature)
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
-        return linear, solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
+        step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
+        self.known = system.learned()
+        return linear, step
 
     def draws(self, params, states, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
         """Fields that the test tells as little from the best one as its noise allows.
@@ -63,14 +66,13 @@ class Objective:
         linear, _, curvature = self.data_model(params, states, self.problem.sigma)
         root = np.sqrt(self.jump_weight) * self.jumps.root(params)
         regular = root.T @ root + scipy.sparse.diags(self.ridge)
-        solve = _normal_equations(linear, regular.tocsc(), np.tile(CURVATURE_SHARE * curvature, len(params)))
-        u, f = self.problem.residuals(states)
+        system = self._normal_equations(linear, regular.tocsc(), curvature)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
-            disturbed = linear.adjoint([random.normal(size=r.shape) for r in u], random.normal(size=f.shape))
+            disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
             disturbed += root.T @ random.normal(size=root.shape[0])
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            fields.append(params + solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
+            fields.append(params + system.solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
         return np.array(fields)
 
     def data_model(self, params, states, sigma: float):
@@ -80,21 +82,13 @@ class Objective:
         """
         linear = self.problem.linearise(params, states, sigma)
         u, f = self.problem.residuals(states)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CURVATURE_PROBES, params.size))
-        estimate = sum(v * linear.adjoint(*linear.forward(v)) for v in signs) / CURVATURE_PROBES
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (params.size, CURVATURE_PROBES))
+        estimate = (signs * linear.adjoint(linear.forward(signs))).mean(axis=1)
         curvature = np.maximum(estimate.reshape(params.shape).mean(axis=0), 0.0)
-        return linear, linear.adjoint([r / sigma for r in u], f), curvature
+        return linear, linear.adjoint(np.concatenate([*(r / sigma for r in u), f])), curvature
 
-
-def _normal_equations(linear, regular, curvature):
-    """(right-hand side, tolerance, iterations) -> solution with J^T J + ``regular``, by conjugate gradients.
-
-    Args:
-        curvature: share of the data's mean curvature, by parameter, that joins the preconditioner.
-    """
-    precondition = factorise(regular + scipy.sparse.diags(curvature))
-    operator = scipy.sparse.linalg.LinearOperator(
-        regular.shape, lambda x: linear.adjoint(*linear.forward(x)) + regular @ x
-    )
-    inverse = scipy.sparse.linalg.LinearOperator(regular.shape, precondition.solve)
-    return lambda b, rtol, maxiter: scipy.sparse.linalg.cg(operator, b, rtol=rtol, maxiter=maxiter, M=inverse)[0]
+    def _normal_equations(self, linear, regular, curvature) -> RecyclingSolver:
+        """J^T J + ``regular``; ``curvature`` is the data's mean curvature by parameter."""
+        cells = regular.shape[0] // len(curvature)
+        metric = regular + scipy.sparse.diags(np.tile(CURVATURE_SHARE * curvature, cells))
+        return RecyclingSolver(lambda x: linear.adjoint(linear.forward(x)) + regular @ x, metric, self.known)
