@@ -15,7 +15,7 @@ from hypernode.mechanics.kinematics import REFERENCE, Invariants, invariants
 from hypernode.mechanics.materials import energy_density, energy_derivatives
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.node_material import NodeMaterial
-from hypernode.networks.weights import from_arrays, make_network
+from hypernode.networks.weights import from_arrays
 from hypernode.storage.netcdf import StorageError, read, units_of
 
 #: Gauss-Legendre points of the integral that turns dPsi/dI into an energy.
@@ -169,7 +169,7 @@ def parameter_field(file: xr.Dataset):
         **{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()}
     )
     settings = Frequencies.model_validate_json(file.attrs["hypernetwork"])
-    network = from_arrays(make_network(settings, 0, material.size, 0), file, "hypernetwork")
+    network = from_arrays(settings, 0, material.size, file, "hypernetwork")
     lower = jnp.asarray(file["corners"].values[0], jnp.float32)
     length = float(file.attrs["length_scale"])
     return material, lambda X: network((jnp.asarray(X, jnp.float32) - lower) / length).T

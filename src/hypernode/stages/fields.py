@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
-from scipy.interpolate import make_smoothing_spline
 
 from hypernode.mechanics.mesh import EDGES, Mesh
 
@@ -40,6 +39,9 @@ def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np
     Returns:
         (mask (node, 2), values (node, 2)).
     """
+    # Here, since most jobs read fields and need no spline, which takes half a second to import.
+    from scipy.interpolate import make_smoothing_spline
+
     total, count = np.zeros_like(u), np.zeros_like(u)
     for index, (edge, (axis, _)) in enumerate(EDGES.items()):
         on = np.flatnonzero(mesh.on_edge(edge))

@@ -32,9 +32,7 @@ class InterpolatedGradient:
         tests = file["test"].values
         self._steps = [np.flatnonzero(tests == k) for k in range(tests.max() + 1)]
         self._order = np.argsort(np.concatenate(self._steps), kind="stable")
-        self._networks = [
-            from_arrays(make_network(settings, 1, 4, 0), file, f"interpolant{k}") for k in range(len(self._steps))
-        ]
+        self._networks = [from_arrays(settings, 1, 4, file, f"interpolant{k}") for k in range(len(self._steps))]
 
     def __call__(self, X):
         """F[i, J, step, point] at the positions X (point, 2)."""

@@ -110,13 +110,18 @@ class InverseProblem:
         """Stress unit of each step (step,)."""
         return jnp.asarray(self.loading.scale, jnp.float32)
 
+    @property
+    def _architecture(self):
+        """(settings, inputs beside the position, outputs) of the hyper-network."""
+        return Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size
+
     def new_network(self, seed: int):
         """A hyper-network with random weights; its width follows from the NODE architecture."""
-        return make_network(Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size, seed)
+        return make_network(*self._architecture, seed)
 
     def trainable(self):
         """(params, params -> network) of the network that the stage before left, ``files["previous"]``."""
-        return split_trainable(from_arrays(self.new_network(0), read(self.files["previous"]), "hypernetwork"))
+        return split_trainable(from_arrays(*self._architecture, read(self.files["previous"]), "hypernetwork"))
 
     def stress(self, node_params):
         """P[i, J, step, cell] at the measured deformation."""
