@@ -122,7 +122,7 @@ def test_network_weights_round_trip():
     loaded = from_arrays(settings, 1, 2, arrays, "net")
     np.testing.assert_array_equal(loaded(X, t), network(X, t))
     assert jax.tree.structure(nnx.state(loaded)) == jax.tree.structure(nnx.state(network))
-    with pytest.raises(ValueError, match="net.frequencies has the shape"):
+    with pytest.raises(ValueError, match=r"net\.frequencies has the shape"):
         from_arrays(settings.model_copy(update={"features": 6}), 1, 2, arrays, "net")
 
 
