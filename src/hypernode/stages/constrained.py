@@ -42,15 +42,35 @@ CLOSE = 1.05
 UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
 #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance.
 CHANCE = 3.0
-#: Before more terms follow, the stiffness is good enough once its misfit has fallen by less than this share in this
-#: many iterations, or its cost by less than ``PLAIN_TOLERANCE`` in one.
-PLAIN_PLATEAU, PLAIN_TOLERANCE = (0.2, 3), 5e-3
-#: Where further terms may follow, a test that is not explained waits for them once its misfit has fallen by less than
-#: this share in this many iterations.
-UNEXPLAINED_PLATEAU = 0.1, 5
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
+
+
+@dataclasses.dataclass(frozen=True)
+class Plateau:
+    """Where a descent ends early because other terms follow: its misfit hardly falls any more.
+
+    Attributes:
+        share, iterations: less than this share of the misfit in this many iterations, beyond the convex start.
+        above: misfit below which it goes on regardless.
+    """
+
+    share: float
+    iterations: int
+    above: float = 0.0
+
+    def reached(self, history) -> bool:
+        """Whether the last misfit lies on it."""
+        followed = len(history) > CONVEX_ITERATIONS + self.iterations
+        return followed and history[-1] > max(self.above, (1.0 - self.share) * history[-1 - self.iterations])
+
+
+#: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than
+#: ``PLAIN_TOLERANCE`` in one iteration.
+PLAIN_PLATEAU, PLAIN_TOLERANCE = Plateau(0.2, 3), 5e-3
+#: Where further terms may follow, a test that is not explained waits for them there.
+UNEXPLAINED_PLATEAU = Plateau(0.1, 5, above=UNEXPLAINED)
 
 
 class IdentificationError(ExpectedError, RuntimeError):
@@ -109,25 +129,29 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     def problem_of(*terms):
         return FieldProblem(measurement, settings.model_copy(update={"terms": list(terms)}))
 
-    def with_terms(terms, before, follow=""):
-        reached = descend(problem_of(*terms), settings, name, before, follow)
+    def with_terms(terms, before, plateau, tolerance=settings.tolerance):
+        reached = descend(problem_of(*terms), settings, name, before, plateau, tolerance)
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
-    more, further = settings.terms != first, "further terms" if settings.further_terms else ""
-    plain = with_terms(first, None, "terms" if more else further)
-    tried = [with_terms(settings.terms, plain, further)] if more else [plain]
-    if more and tried[0].doubtful:
-        tried.append(with_terms(settings.terms, None, further))
+    further = UNEXPLAINED_PLATEAU if settings.further_terms else None
+    if settings.terms == first:
+        plain = with_terms(first, None, further)
+        tried = [plain]
+    else:
+        plain = with_terms(first, None, PLAIN_PLATEAU, PLAIN_TOLERANCE)
+        tried = [with_terms(settings.terms, plain, further)]
+        if tried[0].doubtful:
+            tried.append(with_terms(settings.terms, None, further))
     if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
-        tried.append(with_terms([*settings.terms, *settings.further_terms], plain))
+        tried.append(with_terms([*settings.terms, *settings.further_terms], plain, None))
     found = min(tried, key=lambda each: each.cost)
     if found.history[-1] > UNEXPLAINED:
         print(
             f"warning: constrained field of {name}: displacements are missed by {found.history[-1]:.1f} times their "
-            f"noise. The terms ({', '.join(found.problem.basis.terms) or 'neo-Hookean'}) do not explain this test, or "
+            f"noise. The terms ({_described(found.problem)}) do not explain this test, or "
             "the descent ended early: trust no number of this field; add further_terms or iterations",
             file=sys.stderr,
         )
@@ -155,7 +179,12 @@ def _first_field(problem: FieldProblem, before: Found | None):
 
 
 def descend(
-    problem: FieldProblem, settings: Constrained, name: str, before: Found | None = None, follow: str = ""
+    problem: FieldProblem,
+    settings: Constrained,
+    name: str,
+    before: Found | None,
+    plateau: Plateau | None,
+    tolerance: float,
 ) -> Found:
     """The parameter field whose equilibrium is closest to the data, and its states.
 
@@ -164,8 +193,8 @@ def descend(
 
     Args:
         before: what the stiffness alone found, to begin from; the homogeneous sheet without it.
-        follow: "terms" where they follow the stiffness, so that it ends where it no longer gains much; "further
-            terms" where they follow if this does not explain the test, so that it ends where it will not.
+        plateau: where it ends early, if other terms may follow.
+        tolerance: relative decrease of the cost in one iteration at which it ends once the data are explained.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -183,9 +212,7 @@ def descend(
     # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
     jumps.scale = None if before is None else settings.jump_scale
     objective = Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
-    plain = follow == "terms"
-    progress = Progress("stiffness field" if plain else "constrained field", name, settings.iterations)
-    tolerance = PLAIN_TOLERANCE if plain else settings.tolerance
+    progress = Progress(f"constrained field ({_described(problem)})", name, settings.iterations)
     damping, history = 1.0, [objective.misfit(states) / problem.sigma]
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
@@ -208,8 +235,7 @@ def descend(
             jumps.scale = settings.jump_scale
         else:
             settled = close and jumps.isotropic and (cost - after) / cost < tolerance
-            hopeless = follow and history[-1] > UNEXPLAINED and _on_plateau(history, *UNEXPLAINED_PLATEAU)
-            if settled or hopeless or (plain and _on_plateau(history, *PLAIN_PLATEAU)):
+            if settled or (plateau and plateau.reached(history)):
                 break
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic = settings.jump_scale, True
@@ -217,10 +243,9 @@ def descend(
     return Found(objective, params, states, np.array(history), cost)
 
 
-def _on_plateau(history, share: float, iterations: int) -> bool:
-    """Whether a misfit, followed beyond the convex start, has fallen by less than ``share`` in ``iterations``."""
-    followed = len(history) > CONVEX_ITERATIONS + iterations
-    return followed and history[-1] > (1.0 - share) * history[-1 - iterations]
+def _described(problem: FieldProblem) -> str:
+    """The terms of a problem's basis in words."""
+    return ", ".join(problem.basis.terms) or "neo-Hookean"
 
 
 def _line_search(objective, params, states, sigma, linear, change, before, longest):
