@@ -76,9 +76,9 @@ def once(given) -> None:
     import jax
 
     from hypernode.config_loader import load_config
-    from hypernode.runtime import use_compilation_cache
+    from hypernode.runtime import set_up_compiler
 
-    use_compilation_cache()
+    set_up_compiler()
     config = load_config(given.config)
     times = {}
     (case,) = given.cases

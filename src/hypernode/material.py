@@ -1,5 +1,6 @@
 """The identified (or true) material of a sheet as three functions of position and deformation."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -177,8 +178,19 @@ def parameter_field(file: xr.Dataset):
 
 def _node(file: xr.Dataset) -> Material:
     material, params_at = parameter_field(file)
+    units = material.units_as_data
+
+    def compiled_once(function):
+        """The units of a material are arguments, so that materials of one architecture share what is compiled."""
+
+        def of_units(F, params):
+            units, node_params = params
+            return function(dataclasses.replace(material, **units), F, node_params)
+
+        return of_units
+
     return Material(
-        params_at, lambda F, p: node_stress(material, F, p), lambda F, p: node_energy(material, F, p), units_of(file)
+        lambda X: (units, params_at(X)), compiled_once(node_stress), compiled_once(node_energy), units_of(file)
     )
 
 

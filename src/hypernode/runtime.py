@@ -18,6 +18,7 @@ from hypernode.errors import ExpectedError
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
+QUICK_KERNELS = "--xla_cpu_use_fusion_emitters=false"
 #: Kept open for the life of the process: closing a file gives its lock back.
 _held = []
 
@@ -81,8 +82,14 @@ class _Tee:
                 stream.flush()
 
 
-def use_compilation_cache() -> None:
-    """Keep compiled training steps between jobs, outside results/ and safe to delete at any time."""
+def set_up_compiler() -> None:
+    """Compile quickly, and keep what is compiled between jobs, outside results/ and safe to delete at any time.
+
+    Call it before anything is compiled. Where ``XLA_FLAGS`` is set, it has the last word.
+    """
+    # A step of ours is hundreds of small kernels. The newer emitters set up a compiler of their own for each, which
+    # takes longer than what they save in all but the longest training (docs/decisions/0016).
+    os.environ["XLA_FLAGS"] = " ".join(filter(None, [QUICK_KERNELS, os.environ.get("XLA_FLAGS")]))
     import jax
     import jaxlib
 
@@ -112,7 +119,7 @@ def job(snakemake, float64: bool = False):
     import jax
 
     jax.config.update("jax_enable_x64", float64)
-    use_compilation_cache()
+    set_up_compiler()
 
     try:
         yield describe(

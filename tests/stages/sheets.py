@@ -12,9 +12,9 @@ from hypernode.stages.forward import resultants
 SCALE = 0.4
 
 
-def sheet(cells, inclusion, load, noise=0.0, window=0.0):
+def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",)):
     """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
-    basis = ConvexBasis(("I1_squared",), SCALE)
+    basis = ConvexBasis(terms, SCALE)
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)
     params = np.tile(basis.start, (len(mesh.cells), 1))

@@ -170,6 +170,19 @@ def test_a_stiff_square_is_found_again_from_noisy_displacements():
     assert true.shape == params.shape
 
 
+@pytest.mark.parametrize("terms", [(), ("I1_squared",)])
+def test_terms_are_released_only_where_the_stiffness_alone_leaves_something_to_explain(terms):
+    data, _, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
+    found = identify(data, Constrained(terms=["I1_squared"]), "square")
+    assert found.problem.basis.terms == terms
+    F = np.diag([1.2, 1.2])[:, :, None]
+    P, wanted = (
+        ConvexBasis(terms, s).stress(F, p.T)
+        for s, p in ((found.problem.basis.invariant_scale, found.params), (SCALE, true))
+    )
+    assert np.linalg.norm(P - wanted) < 0.005 * np.linalg.norm(wanted)
+
+
 def test_the_area_of_a_compressible_sheet_and_the_thickness_dependent_I2_exclude_each_other():
     with pytest.raises(ValidationError, match="without I2"):
         Constrained(terms=["I2", "J"])

@@ -57,8 +57,12 @@ class NodeMaterial:
 
     def with_units_as_data(self) -> "NodeMaterial":
         """The same material whose two units are arrays, so that it is compiled once whatever they are."""
-        units = {key: jnp.full(1, getattr(self, key), jnp.float32) for key in ("invariant_scale", "stress_scale")}
-        return dataclasses.replace(self, **units)
+        return dataclasses.replace(self, **self.units_as_data)
+
+    @property
+    def units_as_data(self) -> dict[str, Array]:
+        """The two units as arrays, for a compiled function to take as arguments."""
+        return {key: jnp.full(1, getattr(self, key), jnp.float32) for key in ("invariant_scale", "stress_scale")}
 
     @property
     def _function(self) -> Potential:

@@ -35,6 +35,9 @@ SMALLEST_FIBRE = 0.01
 LARGEST_STEP = 1.0
 #: Damping beyond which no descent is left to find.
 LARGEST_DAMPING = 1e6
+#: Share of the cost below which misfits leave nothing to explain: without noise, that of a neo-Hookean sheet is a few
+#: thousandths, and that of any other nearly one.
+NOTHING_LEFT = 0.02
 #: A displacement misfit this close to its noise counts as explained.
 CLOSE = 1.05
 #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained. The forces of
@@ -107,6 +110,13 @@ class Found:
         return max(self.history[-1] / UNEXPLAINED, self.force_misfit / FORCES_UNEXPLAINED)
 
     @property
+    def data_share(self) -> float:
+        """Share of the cost that misfits make up: all that further terms could take away."""
+        displacements, forces = self.problem.residuals(self.states)
+        squares = sum(r @ r for r in displacements) / self.problem.sigma**2 + forces @ forces
+        return float(0.5 * squares / self.cost)
+
+    @property
     def doubtful(self) -> bool:
         """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
         count = sum(len(free) for free in self.problem.free)
@@ -117,7 +127,8 @@ class Found:
 def identify(measurement, settings: Constrained, name: str) -> Found:
     """The material field that explains a measurement: the stiffness alone, then the terms of the basis.
 
-    Where that leaves doubt, all terms at once are released from the homogeneous sheet, since a stiffness that had to
+    None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
+    Where the terms leave doubt, all at once are released from the homogeneous sheet, since a stiffness that had to
     stand for other terms may mislead; where the test is still not explained, the further terms as well, which would
     only make longer valleys where they are not needed. Of what was tried the most probable field is kept.
 
@@ -142,6 +153,8 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         tried = [plain]
     else:
         plain = with_terms(first, None, PLAIN_PLATEAU, PLAIN_TOLERANCE)
+        if plain.data_share < NOTHING_LEFT:
+            return plain
         tried = [with_terms(settings.terms, plain, further)]
         if tried[0].doubtful:
             tried.append(with_terms(settings.terms, None, further))

@@ -6,6 +6,7 @@ the one with respect to the other.
 """
 
 import dataclasses
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -125,11 +126,15 @@ class FieldProblem:
         start = self.basis.start
         start[0] = np.log(0.3 * loading.scale.max())
 
-        def relative(params):
+        def relative(params, mean_F, target, scale):
             P = self.basis.stress(mean_F, params[:, None])
-            return (jnp.stack([P[0, 0], P[1, 1]]) - target) / loading.scale
+            return (jnp.stack([P[0, 0], P[1, 1]]) - target) / scale
 
-        value, derivative = jax.jit(relative), jax.jit(jax.jacfwd(relative))
+        # Data are arguments, so that tests of as many steps share what is compiled.
+        value, derivative = (
+            partial(jax.jit(function), mean_F=mean_F, target=target, scale=loading.scale)
+            for function in (relative, jax.jacfwd(relative))
+        )
 
         def measured(values, steps):
             return np.asarray(values)[:, steps][loading.measured.T[:, steps]]

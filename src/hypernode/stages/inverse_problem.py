@@ -123,10 +123,6 @@ class InverseProblem:
         """(params, params -> network) of the network that the stage before left, ``files["previous"]``."""
         return split_trainable(from_arrays(*self._architecture, read(self.files["previous"]), "hypernetwork"))
 
-    def stress(self, node_params):
-        """P[i, J, step, cell] at the measured deformation."""
-        return node_stress(self.node, self.F, node_params)
-
     def target(self) -> "Target":
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.
 

@@ -22,14 +22,16 @@ DEFAULT_POINTS = 250
 
 
 def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
-    """Squared distance from the nearest equilibrated stress, as a loss of (network, key)."""
+    """Squared distance of the stress P[i, J, step, cell] from the nearest equilibrated one.
+
+    Like every loss of :data:`LOSSES` a function of (P, network, key).
+    """
     tests = [
         (steps, gap, jnp.asarray(problem.loading.resultant[steps], jnp.float32), problem.scale[steps])
         for steps, gap in problem.gaps()
     ]
 
-    def loss(network, key):
-        P = problem.stress(network(problem.X).T)
+    def loss(P, network, key):
         total = 0.0
         for steps, gap, resultant, scale in tests:
             total += sum(jnp.sum(r**2) for r in gap.residuals(P[:, :, steps], resultant, scale))
@@ -78,8 +80,7 @@ def strong(problem: InverseProblem, settings: Training) -> Callable:
     edges = _edge_terms(problem)
     length = problem.length
 
-    def loss(network, key):
-        P = problem.stress(network(problem.X).T)
+    def loss(P, network, key):
         divergence = [gather(P[i]) / nodal_area[interior] for i in range(2)]
         residual = sum(jnp.mean((d * length / problem.scale[:, None]) ** 2) for d in divergence)
         return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
@@ -144,8 +145,8 @@ def autodiff(
     border = np.flatnonzero(np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4)
     edges = _edge_terms(problem)
 
-    def loss(network, key):
-        """Div P at points drawn anew, and the edge terms at every cell of the border."""
+    def loss(P, network, key):
+        """Div P at points drawn anew, and the edge terms at every cell of the border; other cells are not asked."""
         at = jax.random.choice(key, cells, (count,), replace=False)
         div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
         relative = div * problem.length / problem.scale[:, None]
@@ -168,12 +169,15 @@ LOSSES = {
 }
 
 
-def variation(problem: InverseProblem) -> Callable:
-    """Total variation of the stress of the sheet under its mean deformation, as a function of node_params (size, cell).
+def variation(problem: InverseProblem) -> tuple[jax.Array, Callable]:
+    """Total variation of the stress of the sheet under its mean deformation.
 
     Sum over shared sides of length x |jump of P| for the mean F of the largest step of each test, over the sheet's
     length and the load's stress: the length of a contour times the contrast across it. Stress along stiff fibres
     that varies from one fibre to the next is in equilibrium whatever it is, and the gap does not see it.
+
+    Returns:
+        (F[i, J, test, cell], cost of the stress P[i, J, test, cell] there).
     """
     sides, length, _ = problem.mesh.neighbours()
     share = jnp.asarray(length / problem.length, jnp.float32)
@@ -182,12 +186,12 @@ def variation(problem: InverseProblem) -> Callable:
     F = jnp.broadcast_to(jnp.asarray(F, jnp.float32), (*F.shape[:3], len(problem.mesh.cells)))
     scale = problem.scale[largest][:, None]
 
-    def total(node_params):
-        P = node_stress(problem.node, F, node_params) / scale
-        jump = P[..., sides[:, 1]] - P[..., sides[:, 0]]
+    def cost(P):
+        relative = P / scale
+        jump = relative[..., sides[:, 1]] - relative[..., sides[:, 0]]
         return jnp.sum(share * jnp.sqrt(jnp.sum(jump**2, axis=(0, 1, 2)) + SMALLEST_JUMP**2))
 
-    return total
+    return F, cost
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
@@ -204,19 +208,27 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
         problem.save(output, apply(params), untrained, "identified material", attributes)
         return
     physics = LOSSES[settings.equilibrium](problem, settings)
-    # (weight, cost of node_params) of what decides where equilibrium and forces do not.
-    costs = [(method.prior_weight, lambda node_params: problem.node.departure(node_params, problem.centre))]
+    F, steps = problem.F, problem.F.shape[2]
     if settings.variation_weight > 0:
-        costs.append((settings.variation_weight, variation(problem)))
+        mean_F, contours = variation(problem)
+        F = jnp.concatenate([F, mean_F], axis=2)
     if settings.target_weight > 0:
-        # Summed over the components, as the squared gap is.
-        costs.append((4.0 * settings.target_weight, partial(problem.target().misfit, problem.node)))
+        misfit = partial(problem.target().misfit, problem.node)
 
     def loss(params, key):
-        """Equilibrium and forces, and what else the material costs."""
+        """Equilibrium and forces, and what decides where they do not."""
         network = apply(params)
         node_params = network(problem.X).T
-        return sum((weight * cost(node_params) for weight, cost in costs), start=physics(network, key))
+        # All deformations in one go: the neural ODEs are most of what there is to compile.
+        P = node_stress(problem.node, F, node_params)
+        total = physics(P[:, :, :steps], network, key)
+        total += method.prior_weight * problem.node.departure(node_params, problem.centre)
+        if settings.variation_weight > 0:
+            total += settings.variation_weight * contours(P[:, :, steps:])
+        if settings.target_weight > 0:
+            # Summed over the components, as the squared gap is.
+            total += 4.0 * settings.target_weight * misfit(node_params)
+        return total
 
     params, *history = minimise(loss, params, settings, stage="main training", case=name, seed=method.seed)
     problem.save(output, apply(params), history, "identified material", attributes)
