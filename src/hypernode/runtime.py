@@ -18,6 +18,7 @@ from hypernode.errors import ExpectedError
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
+#: XLA's older emitters of CPU kernels (docs/decisions/0016).
 QUICK_KERNELS = "--xla_cpu_use_fusion_emitters=false"
 #: Kept open for the life of the process: closing a file gives its lock back.
 _held = []
@@ -88,7 +89,7 @@ def set_up_compiler() -> None:
     Call it before anything is compiled. Where ``XLA_FLAGS`` is set, it has the last word.
     """
     # A step of ours is hundreds of small kernels. The newer emitters set up a compiler of their own for each, which
-    # takes longer than what they save in all but the longest training (docs/decisions/0016).
+    # takes longer than what they save in all but the longest training.
     os.environ["XLA_FLAGS"] = " ".join(filter(None, [QUICK_KERNELS, os.environ.get("XLA_FLAGS")]))
     import jax
     import jaxlib

@@ -112,9 +112,7 @@ class Found:
     @property
     def data_share(self) -> float:
         """Share of the cost that misfits make up: all that further terms could take away."""
-        displacements, forces = self.problem.residuals(self.states)
-        squares = sum(r @ r for r in displacements) / self.problem.sigma**2 + forces @ forces
-        return float(0.5 * squares / self.cost)
+        return self.objective.misfits(self.states, self.problem.sigma) / self.cost
 
     @property
     def doubtful(self) -> bool:

@@ -41,10 +41,14 @@ class Objective:
 
     def value(self, params, states, sigma: float) -> float:
         """The objective with displacements weighted by ``sigma``."""
-        u, f = self.problem.residuals(states)
         regular = self.jump_weight * self.jumps.value(params)
         regular += 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2
-        return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f) + regular
+        return self.misfits(states, sigma) + regular
+
+    def misfits(self, states, sigma: float) -> float:
+        """The share of displacements and forces in :meth:`value`."""
+        u, f = self.problem.residuals(states)
+        return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f)
 
     def gauss_newton(self, params, states, sigma: float, damping: float, explained: bool):
         """(linearisation, step) of a damped Gauss-Newton iteration, by preconditioned conjugate gradients."""
