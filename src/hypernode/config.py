@@ -229,18 +229,19 @@ class Constrained(Section):
 
     ``further_terms`` are tried beside ``terms`` where those do not explain the test.
     ``jump_weight`` is the cost of a jump of the field against misfits in units of their noise;
-    jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. ``force_noise`` is the
-    relative error of the load cell. ``draws`` is how many fields that the test cannot tell from the best one are
+    jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. It ends where the cost
+    falls by less than ``tolerance`` times what noise alone costs in one of at most ``iterations``. ``force_noise`` is
+    the relative error of the load cell. ``draws`` is how many fields that the test cannot tell from the best one are
     kept, from ``seed``, where the displacements have noise: they say how uncertain it is.
     """
 
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre"]
     further_terms: list[Literal[BASIS_TERMS]] = []
     iterations: Count = 30
-    jump_weight: Positive = 40.0
+    jump_weight: Positive = 25.0
     jump_scale: Positive = 0.05
-    force_noise: Positive = 5e-4
-    tolerance: Positive = 5e-4
+    force_noise: Positive = 6e-4
+    tolerance: Positive = 2e-4
     draws: Annotated[int, Field(ge=0)] = 0
     seed: Annotated[int, Field(ge=0)] = 0
 

@@ -12,7 +12,7 @@ from hypernode.stages.forward import resultants
 SCALE = 0.4
 
 
-def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",)):
+def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5):
     """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
     basis = ConvexBasis(terms, SCALE)
     lines = np.linspace(0.0, 1.0, cells + 1)
@@ -26,7 +26,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",)):
         for edge, i in load.constrained:
             held[step, EDGE_NAMES.index(edge), i] = 1.0
         force[step] = np.where(held[step] > 0, resultants(solver, field, load), np.nan)
-    measured = u + np.random.default_rng(5).normal(0.0, noise, u.shape) if noise else u
+    measured = u + np.random.default_rng(seed).normal(0.0, noise, u.shape) if noise else u
     names = ("load_step", "node", "i")
     data = xr.Dataset(
         {

@@ -44,7 +44,10 @@ CLOSE = 1.05
 #: good fields are missed by one to three uncertainties: a thousandth.
 UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
 #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance.
-CHANCE = 3.0
+CHANCE = 1.0
+#: Size below which jumps are smoothed in the end where displacements have noise, which would hide in gentle slopes that
+#: cost nothing. On the way so sharp a bend makes many local minima.
+SHARP_JUMP = 0.005
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
@@ -71,7 +74,7 @@ class Plateau:
 
 #: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than
 #: ``PLAIN_TOLERANCE`` in one iteration.
-PLAIN_PLATEAU, PLAIN_TOLERANCE = Plateau(0.2, 3), 5e-3
+PLAIN_PLATEAU, PLAIN_TOLERANCE = Plateau(0.2, 3), 3e-3
 #: Where further terms may follow, a test that is not explained waits for them there.
 UNEXPLAINED_PLATEAU = Plateau(0.1, 5, above=UNEXPLAINED)
 
@@ -101,8 +104,7 @@ class Found:
     @property
     def force_misfit(self) -> float:
         """Root mean square of the misfit of the forces, in units of their uncertainty."""
-        _, forces = self.problem.residuals(self.states)
-        return float(np.sqrt(np.mean(forces**2))) if len(forces) else 0.0
+        return self.objective.force_misfit(self.states)
 
     @property
     def unexplained(self) -> float:
@@ -117,8 +119,7 @@ class Found:
     @property
     def doubtful(self) -> bool:
         """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
-        count = sum(len(free) for free in self.problem.free)
-        by_chance = 1.0 + CHANCE / np.sqrt(2.0 * count)
+        by_chance = 1.0 + CHANCE / (2.0 * np.sqrt(self.problem.cost_of_noise))
         return self.unexplained > 1.0 or (self.problem.noisy and self.history[-1] > by_chance)
 
 
@@ -205,7 +206,8 @@ def descend(
     Args:
         before: what the stiffness alone found, to begin from; the homogeneous sheet without it.
         plateau: where it ends early, if other terms may follow.
-        tolerance: relative decrease of the cost in one iteration at which it ends once the data are explained.
+        tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
+            explained.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -222,13 +224,15 @@ def descend(
     jumps = Jumps(problem.mesh, problem.basis.names)
     # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
     jumps.scale = None if before is None else settings.jump_scale
+    finest = SHARP_JUMP if problem.sharp else jumps.smallest
     objective = Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
     progress = Progress(f"constrained field ({_described(problem)})", name, settings.iterations)
-    damping, history = 1.0, [objective.misfit(states) / problem.sigma]
+    damping, history = 1.0, [objective.misfit(states)]
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
-        cost = objective.value(params, states, sigma)
         linear, step = objective.gauss_newton(params, states, sigma, damping, history[-1] <= CLOSE)
+        # By what the linearisation knows of the errors that residuals share, as the trials after it.
+        cost = objective.value(params, states, sigma)
         longest = 1.0 if jumps.scale is None else OVER_RELAXATION
         found = _line_search(objective, params, states, sigma, linear, step, cost, longest)
         if found is None:
@@ -239,17 +243,23 @@ def descend(
             continue
         params, states, after, fraction = found
         damping = max(damping / 4, 1e-4) if fraction >= 0.99 else 4 * damping if fraction < 0.5 else damping
-        history.append(objective.misfit(states) / problem.sigma)
+        history.append(objective.misfit(states))
         progress.advance(misfit=history[-1], cost=after)
         close = history[-1] <= CLOSE
         if jumps.scale is None and (close or iteration + 1 >= CONVEX_ITERATIONS):
             jumps.scale = settings.jump_scale
         else:
-            settled = close and jumps.isotropic and (cost - after) / cost < tolerance
-            if settled or (plateau and plateau.reached(history)):
+            settled = close and jumps.isotropic and cost - after < tolerance * problem.cost_of_noise
+            if (settled and (jumps.smallest == finest or tolerance > settings.tolerance)) or (
+                plateau and plateau.reached(history)
+            ):
                 break
+            if settled:
+                jumps.smallest = finest
         jumps.isotropic = jumps.isotropic or bool(close)
-    jumps.scale, jumps.isotropic = settings.jump_scale, True
+    jumps.scale, jumps.isotropic, jumps.smallest = settings.jump_scale, True, finest
+    if problem.noisy:
+        objective.linear = problem.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma)
     return Found(objective, params, states, np.array(history), cost)
 

@@ -20,13 +20,14 @@ from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
-from hypernode.stages.fields import Loading, deformation_gradient, held_displacement, mesh_of, stress_resultants
+from hypernode.stages.fields import Loading, deformation_gradient, displacement_noise, mesh_of, stress_resultants
+from hypernode.stages.held_edges import held_displacement
 from hypernode.stages.observation import window_average
 
-#: Displacements are never trusted beyond this share of the largest one: what finite elements on the
+#: Displacements are never trusted beyond this share of the largest one, noise apart: what finite elements on the
 #: measured grid make of a field that was computed on that same grid, and of one that was seen through a
 #: correlation window, whose interfaces lie anywhere.
-SAME_GRID_FLOOR, WINDOW_FLOOR = 3e-5, 1e-3
+SAME_GRID_FLOOR, WINDOW_FLOOR = 3.8e-5, 1.3e-3
 #: Misfit of the best homogeneous material of one test beyond which the basis cannot describe the forces (a
 #: record with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it,
 #: as it does what several tests together leave: each would have a homogeneous material of its own.
@@ -65,13 +66,13 @@ class FieldProblem:
 
     def __init__(self, measurement, settings: Constrained):
         self.mesh, self.loading = mesh_of(measurement), Loading.of(measurement)
-        repeats = measurement["u_measured"].values
-        self.u = repeats.mean(axis=0)
-        noise = float(measurement.attrs["displacement_noise"]) / np.sqrt(len(repeats))
+        self.u = measurement["u_measured"].values.mean(axis=0)
+        noise = displacement_noise(measurement)
         window = float(measurement.attrs["correlation_window"])
-        floor = WINDOW_FLOOR if window > 0.0 else SAME_GRID_FLOOR
-        self.sigma = max(noise, floor * np.abs(self.u).max())
-        self.noisy = noise >= self.sigma
+        floor = (WINDOW_FLOOR if window > 0.0 else SAME_GRID_FLOOR) * np.abs(self.u).max()
+        self.sigma, self.noisy = float(np.hypot(noise, floor)), noise >= floor
+        # Where interfaces lie anywhere, cells that they cut are something in between.
+        self.sharp = self.noisy and window == 0.0
         stretch = float(measurement["stretch"].values.max())
         self.basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
         cells = len(self.mesh.cells)
@@ -80,7 +81,7 @@ class FieldProblem:
             lambda F, p: self.basis.stress(F, p["params"]),
             {"params": np.tile(self.basis.start, (cells, 1))},
         )
-        self._hold(measurement)
+        self._hold(measurement, noise)
         observe = window_average(self.mesh, window)
         self.observe = [observe[free] for free in self.free]
         self.homogeneous, self.force_misfit = self._homogeneous()
@@ -95,8 +96,13 @@ class FieldProblem:
         columns = np.arange(cells)[:, None] * count + np.arange(count)
         self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
 
-    def _hold(self, measurement) -> None:
-        """Prescribed and free degrees of freedom of every step.
+    @property
+    def cost_of_noise(self) -> float:
+        """Half the number of measured displacements: what noise of the assumed size costs at the true field."""
+        return 0.5 * sum(len(free) for free in self.free)
+
+    def _hold(self, measurement, noise: float) -> None:
+        """Prescribed and free degrees of freedom of every step, and how wrong the prescribed ones may be.
 
         Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
         displacement holds it all round, and no traction there is assumed to vanish.
@@ -104,15 +110,15 @@ class FieldProblem:
         held = measurement["edge_constrained"].values > 0
         if measurement.attrs["outline"] == "cut":
             held = np.ones_like(held)
-        found = [held_displacement(self.mesh, u, h) for u, h in zip(self.u, held, strict=True)]
-        self.values = [values for _, values in found]
+        found = [held_displacement(self.mesh, u, h, noise) for u, h in zip(self.u, held, strict=True)]
+        self.values, self.masks = [edges.values for edges in found], [edges.mask for edges in found]
+        self.edge_errors = [edges.errors for edges in found]
         self.fixed, self.free = [], []
-        for mask, _ in found:
+        for mask in self.masks:
             for i in np.flatnonzero(~mask.any(axis=0)):
                 mask[np.argmin(np.abs(self.mesh.nodes - self.mesh.lower).sum(axis=1)), i] = True
             self.fixed.append(np.flatnonzero(mask.ravel()))
             self.free.append(np.flatnonzero(~mask.ravel()))
-        self.masks = [mask for mask, _ in found]
 
     def _homogeneous(self) -> tuple[np.ndarray, np.ndarray]:
         """(parameters of one homogeneous material, smallest relative misfit of each test's mean stresses).
@@ -230,7 +236,7 @@ class FieldProblem:
             tangents.append(self.solver.tangent(state.u)[1])
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
             B.append(scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape))
-        return Linearised(states, tangents, B, self.observe, self.forces, sigma)
+        return Linearised(states, tangents, B, self, sigma)
 
 
 class Linearised:
@@ -238,21 +244,40 @@ class Linearised:
 
     With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The factors of K serve
     both products, so that each costs one back-substitution a load step. Residuals are the seen displacements step by
-    step, then the forces, over their uncertainties; products take one vector or the columns of a matrix.
+    step, then the forces, over their uncertainties, and whitened (:meth:`whiten`); products take one vector or the
+    columns of a matrix.
     """
 
-    def __init__(self, states, tangents, B, observe, forces, sigma):
-        free = [s.free for s in states]
+    def __init__(self, states, tangents, B, problem: FieldProblem, sigma: float):
+        free, forces = [s.free for s in states], problem.forces
         self.sigma = sigma
         self.factors = [factorise(K[f][:, f]) for K, f in zip(tangents, free, strict=True)]
         self._load = [each[f] for each, f in zip(B, free, strict=True)]
         self._load_transposed = [each.T.tocsr() for each in self._load]
-        self._observe = [W[:, f] for W, f in zip(observe, free, strict=True)]
+        self._observe = [W[:, f] for W, f in zip(problem.observe, free, strict=True)]
         self._ends = np.cumsum([W.shape[0] for W in self._observe])
         self._force_rows = np.zeros((len(forces), B[0].shape[1]))
         for row, f in zip(self._force_rows, forces, strict=True):
             response = self.factors[f.step].solve((tangents[f.step] @ f.direction)[free[f.step]])
             row[:] = (B[f.step].T @ f.direction - self._load_transposed[f.step] @ response) / f.sigma
+        self._shared = [self._shared_errors(step, tangents[step], problem) for step in range(len(states))]
+
+    def _shared_errors(self, step: int, K, problem: FieldProblem):
+        """(rows, directions, shares) of what errors of the held edges add to the covariance of one step's residuals.
+
+        The covariance is I + A A^T with A the residuals' derivative by the edges' independent errors, and its inverse
+        root I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
+        """
+        free = problem.free[step]
+        du = problem.edge_errors[step].copy()
+        du[free] = -self.factors[step].solve((K @ du)[free])
+        forces = [(row, f) for row, f in enumerate(problem.forces) if f.step == step]
+        end = self._ends[step]
+        rows = np.arange(end - self._observe[step].shape[0], end)
+        rows = np.concatenate([rows, [self._ends[-1] + row for row, _ in forces]]).astype(int)
+        A = [problem.observe[step] @ du / self.sigma, *((f.direction @ (K @ du) / f.sigma)[None] for _, f in forces)]
+        U, s, _ = np.linalg.svd(np.concatenate(A), full_matrices=False)
+        return rows, U, 1.0 - 1.0 / np.sqrt(1.0 + s**2)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -263,14 +288,21 @@ class Linearised:
         """First-order change of the free displacements of every step."""
         return [-factor.solve(load @ change) for factor, load in zip(self.factors, self._load, strict=True)]
 
+    def whiten(self, residual):
+        """Residuals that share the errors of held edges, as independent ones of unit variance."""
+        residual = residual.copy()
+        for rows, U, share in self._shared:
+            residual[rows] -= U @ (share * (U.T @ residual[rows]).T).T
+        return residual
+
     def forward(self, change):
         """J change."""
         seen = [W @ du / self.sigma for W, du in zip(self._observe, self.displacement(change), strict=True)]
-        return np.concatenate([*seen, self._force_rows @ change])
+        return self.whiten(np.concatenate([*seen, self._force_rows @ change]))
 
     def adjoint(self, residual):
         """J^T residual."""
-        *seen, forces = np.split(residual, self._ends)
+        *seen, forces = np.split(self.whiten(residual), self._ends)
         total = self._force_rows.T @ forces
         for factor, load, W, part in zip(self.factors, self._load_transposed, self._observe, seen, strict=True):
             total -= load @ factor.solve(W.T @ part / self.sigma)

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.mechanics.mesh import EDGES, Mesh
+from hypernode.mechanics.mesh import Mesh
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
@@ -31,31 +31,9 @@ def mean_gradient(mesh: Mesh, F: Float[np.ndarray, "2 2 step cell"]) -> Float[np
     return np.sum(F * (mesh.areas / mesh.areas.sum()), axis=-1, keepdims=True)
 
 
-def held_displacement(mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"]):
-    """Prescribed displacements: the measured ones on every held edge, smoothed along it.
-
-    The smoothing spline chooses its own weight by generalised cross-validation.
-
-    Returns:
-        (mask (node, 2), values (node, 2)).
-    """
-    # Here, since most jobs read fields and need no spline, which takes half a second to import.
-    from scipy.interpolate import make_smoothing_spline
-
-    total, count = np.zeros_like(u), np.zeros_like(u)
-    for index, (edge, (axis, _)) in enumerate(EDGES.items()):
-        on = np.flatnonzero(mesh.on_edge(edge))
-        on = on[np.argsort(mesh.nodes[on, 1 - axis])]
-        along = mesh.nodes[on, 1 - axis]
-        for i in np.flatnonzero(held[index]):
-            values = u[on, i]
-            unit = max(np.abs(values).max(), 1e-300)
-            if len(on) >= 5 and np.ptp(values) > 1e-12 * unit:
-                values = make_smoothing_spline(along, values / unit)(along) * unit
-            total[on, i] += values
-            count[on, i] += 1
-    mask = count > 0
-    return mask, np.where(mask, total / np.maximum(count, 1), 0.0)
+def displacement_noise(measurement: xr.Dataset) -> float:
+    """Standard deviation of the mean over the repeats of the measured displacement."""
+    return float(measurement.attrs["displacement_noise"]) / np.sqrt(measurement.sizes["repeat"])
 
 
 def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:

@@ -29,7 +29,7 @@ class Jumps:
     Total variation first: sum over shared sides of length x |jump|. With a ``scale``, a logarithm of it,
     scale log(1 + |jump| / scale), which no longer shrinks true jumps. Once ``isotropic``, cells that face
     each other at a corner count too, so that a contour costs its length in every direction; on the way
-    there corners only add local minima.
+    there corners only add local minima. ``smallest`` is the size below which jumps are smoothed.
     """
 
     def __init__(self, mesh: Mesh, names):
@@ -41,12 +41,12 @@ class Jumps:
         # By whether the sum is isotropic.
         self._difference = [_differences(sides, cells), _differences(np.concatenate([sides, corners]), cells)]
         self._length = [length / unit, isotropic]
-        self.isotropic = False
+        self.isotropic, self.smallest = False, SMALLEST_JUMP
         self.share = np.array([JUMP_SHARE.get(name, DEFAULT_JUMP_SHARE) for name in names])
         self.scale = None
 
     def _size(self, params):
-        return np.sqrt(((self._difference[self.isotropic] @ (params * self.share)) ** 2).sum(axis=1) + SMALLEST_JUMP**2)
+        return np.sqrt(((self._difference[self.isotropic] @ (params * self.share)) ** 2).sum(axis=1) + self.smallest**2)
 
     def value(self, params) -> float:
         """The penalty."""

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.field_problem import FieldProblem, Linearised
 from hypernode.stages.jumps import Jumps
 from hypernode.stages.recycling import RecyclingSolver
 
@@ -33,11 +33,28 @@ class Objective:
     centre: np.ndarray
     #: What the last step learned of the normal equations, for the next one's.
     known: np.ndarray | None = None
+    #: The last linearisation: it knows what residuals share.
+    linear: Linearised | None = None
+
+    def residuals(self, states, sigma: float) -> tuple[np.ndarray, np.ndarray]:
+        """(displacements, forces): misfits over their uncertainties, free of what errors of held edges explain."""
+        u, f = self.problem.residuals(states)
+        every = np.concatenate([*(r / sigma for r in u), f])
+        if self.linear is not None:
+            every = self.linear.whiten(every)
+        return tuple(np.split(every, [len(every) - len(f)]))
 
     def misfit(self, states) -> float:
-        """Root mean square of the displacement misfit."""
-        u, _ = self.problem.residuals(states)
-        return float(np.sqrt(sum(r @ r for r in u) / sum(len(r) for r in u)))
+        """Root mean square of the displacement misfit over its noise."""
+        # The last linearisation has the uncertainty that displacements had then.
+        sigma = self.problem.sigma if self.linear is None else self.linear.sigma
+        u, _ = self.residuals(states, sigma)
+        return float(np.sqrt(np.mean(u**2))) * sigma / self.problem.sigma
+
+    def force_misfit(self, states) -> float:
+        """Root mean square of the misfit of the forces over their uncertainty."""
+        _, f = self.residuals(states, self.problem.sigma)
+        return float(np.sqrt(np.mean(f**2))) if len(f) else 0.0
 
     def value(self, params, states, sigma: float) -> float:
         """The objective with displacements weighted by ``sigma``."""
@@ -47,8 +64,7 @@ class Objective:
 
     def misfits(self, states, sigma: float) -> float:
         """The share of displacements and forces in :meth:`value`."""
-        u, f = self.problem.residuals(states)
-        return 0.5 * (sum(r @ r for r in u) / sigma**2 + f @ f)
+        return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma))
 
     def gauss_newton(self, params, states, sigma: float, damping: float, explained: bool):
         """(linearisation, step) of a damped Gauss-Newton iteration, by preconditioned conjugate gradients."""
@@ -84,12 +100,11 @@ class Objective:
 
         The last is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
         """
-        linear = self.problem.linearise(params, states, sigma)
-        u, f = self.problem.residuals(states)
+        linear = self.linear = self.problem.linearise(params, states, sigma)
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (params.size, CURVATURE_PROBES))
         estimate = (signs * linear.adjoint(linear.forward(signs))).mean(axis=1)
         curvature = np.maximum(estimate.reshape(params.shape).mean(axis=0), 0.0)
-        return linear, linear.adjoint(np.concatenate([*(r / sigma for r in u), f])), curvature
+        return linear, linear.adjoint(np.concatenate(self.residuals(states, sigma))), curvature
 
     def _normal_equations(self, linear, regular, curvature) -> RecyclingSolver:
         """J^T J + ``regular``; ``curvature`` is the data's mean curvature by parameter."""

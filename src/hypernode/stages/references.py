@@ -10,7 +10,8 @@ from hypernode.material import node_stress, parameter_field
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.progress import Progress
 from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
-from hypernode.stages.fields import held_displacement, mesh_of, relaxation
+from hypernode.stages.fields import displacement_noise, mesh_of, relaxation
+from hypernode.stages.held_edges import held_displacement
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Phases by the value of an evaluation's ``shape``.
@@ -52,10 +53,10 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
         {"node": jnp.broadcast_to(node_params, (len(mesh.cells), node_params.shape[-1]))},
     )
-    forces = []
+    forces, noise = [], displacement_noise(measurement)
     for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
-        mask, values = held_displacement(mesh, u, held)
-        reached = solver.newton(np.where(mask, values, u), np.flatnonzero(mask.ravel()), 1e-8)
+        edges = held_displacement(mesh, u, held, noise)
+        reached = solver.newton(np.where(edges.mask, edges.values, u), np.flatnonzero(edges.mask.ravel()), 1e-8)
         if reached.u is None:
             raise ConvergenceError(
                 f"step {step}: no equilibrium of the sheet with the identified material (relative residual "
