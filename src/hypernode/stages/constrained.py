@@ -190,6 +190,13 @@ def _first_field(problem: FieldProblem, before: Found | None):
     return params, centre
 
 
+def _objective(problem: FieldProblem, settings: Constrained, centre) -> Objective:
+    """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
+    ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, RIDGE**2), len(centre))
+    jumps = Jumps(problem.mesh, problem.basis.names)
+    return Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
+
+
 def descend(
     problem: FieldProblem,
     settings: Constrained,
@@ -220,12 +227,12 @@ def descend(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the held edges "
             "smooth, and is every load step one state of the same test?"
         )
-    ridge = np.tile(np.where(np.arange(params.shape[1]) == 0, 0.0, RIDGE**2), len(params))
-    jumps = Jumps(problem.mesh, problem.basis.names)
+    objective = _objective(problem, settings, centre)
+    jumps = objective.jumps
     # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
     jumps.scale = None if before is None else settings.jump_scale
-    finest = SHARP_JUMP if problem.sharp else jumps.smallest
-    objective = Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
+    # There is nothing to sharpen yet where other terms follow for certain.
+    finest = SHARP_JUMP if problem.sharp and tolerance <= settings.tolerance else jumps.smallest
     progress = Progress(f"constrained field ({_described(problem)})", name, settings.iterations)
     damping, history = 1.0, [objective.misfit(states)]
     for iteration in range(settings.iterations):
@@ -250,12 +257,9 @@ def descend(
             jumps.scale = settings.jump_scale
         else:
             settled = close and jumps.isotropic and cost - after < tolerance * problem.cost_of_noise
-            if (settled and (jumps.smallest == finest or tolerance > settings.tolerance)) or (
-                plateau and plateau.reached(history)
-            ):
+            if (settled and jumps.smallest == finest) or (plateau and plateau.reached(history)):
                 break
-            if settled:
-                jumps.smallest = finest
+            jumps.smallest = finest if settled else jumps.smallest
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic, jumps.smallest = settings.jump_scale, True, finest
     if problem.noisy:
