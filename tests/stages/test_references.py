@@ -28,7 +28,7 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
             "relaxation": (("load_step",), np.ones(1)),
         },
-        attrs={"thickness": 0.5},
+        attrs={"thickness": 0.5, "displacement_noise": 0.0},
     )
     forces = pulled_sheet(measurement, node, params, Progress("references", "sheet", 1))
     P = np.asarray(node_stress(node, jnp.asarray(F)[..., None], params[:, None]))[..., 0]
