@@ -196,8 +196,8 @@ def test_the_area_of_a_compressible_sheet_and_the_thickness_dependent_I2_exclude
 def test_draws_have_the_inverse_of_the_objectives_curvature_as_covariance():
     data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=2e-3)
     found = identify(data, Constrained(terms=[], iterations=8), "square")
-    draws = found.objective.draws(found.params, found.states, 400, seed=3).reshape(400, -1)
-    linear, _, _ = found.objective.data_model(found.params, found.states, found.problem.sigma)
+    draws = found.objective.draws(found.params, 400, seed=3).reshape(400, -1)
+    linear = found.objective.linear
     curvature = linear.adjoint(linear.forward(np.eye(found.params.size)))
     curvature += found.objective.jump_weight * found.objective.jumps.hessian(found.params).toarray()
     covariance = np.linalg.inv(curvature + np.diag(found.objective.ridge))
@@ -205,7 +205,7 @@ def test_draws_have_the_inverse_of_the_objectives_curvature_as_covariance():
     spread = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.15)
     assert np.abs((draws.mean(axis=0) - found.params.ravel()) / spread).max() < 0.2
-    assert np.array_equal(draws[0], found.objective.draws(found.params, found.states, 1, seed=3).ravel())
+    assert np.array_equal(draws[0], found.objective.draws(found.params, 1, seed=3).ravel())
 
 
 def test_a_draw_changes_the_stress_to_first_order_so_that_parameters_that_trade_places_do_not_count():

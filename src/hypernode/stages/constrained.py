@@ -237,11 +237,11 @@ def descend(
     damping, history = 1.0, [objective.misfit(states)]
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
-        linear, step = objective.gauss_newton(params, states, sigma, damping, history[-1] <= CLOSE)
-        # By what the linearisation knows of the errors that residuals share, as the trials after it.
+        objective.linearise(params, states, sigma)
         cost = objective.value(params, states, sigma)
+        step = objective.gauss_newton(params, states, damping, history[-1] <= CLOSE)
         longest = 1.0 if jumps.scale is None else OVER_RELAXATION
-        found = _line_search(objective, params, states, sigma, linear, step, cost, longest)
+        found = _line_search(objective, params, states, sigma, step, cost, longest)
         if found is None:
             if damping > LARGEST_DAMPING:
                 break
@@ -263,7 +263,7 @@ def descend(
         jumps.isotropic = jumps.isotropic or bool(close)
     jumps.scale, jumps.isotropic, jumps.smallest = settings.jump_scale, True, finest
     if problem.noisy:
-        objective.linear = problem.linearise(params, states, problem.sigma)
+        objective.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma)
     return Found(objective, params, states, np.array(history), cost)
 
@@ -273,14 +273,14 @@ def _described(problem: FieldProblem) -> str:
     return ", ".join(problem.basis.terms) or "neo-Hookean"
 
 
-def _line_search(objective, params, states, sigma, linear, change, before, longest):
+def _line_search(objective, params, states, sigma, change, before, longest):
     """The longest of a few fractions of ``change`` that lowers the cost, or None."""
     # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
     # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
     clipped = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     scaled = change * min(1.0, LARGEST_STEP / max(np.abs(change).max(), 1e-300))
     for direction, fractions in ((clipped, longest * 0.4 ** np.arange(2)), (scaled, 0.4 ** np.arange(5))):
-        du = linear.displacement(direction)
+        du = objective.linear.displacement(direction)
         for fraction in fractions:
             trial = params + fraction * direction.reshape(params.shape)
             guesses = []
@@ -288,7 +288,7 @@ def _line_search(objective, params, states, sigma, linear, change, before, longe
                 guess = state.u.ravel().copy()
                 guess[state.free] += fraction * d
                 guesses.append(guess.reshape(-1, 2))
-            reached = objective.problem.states(trial, guesses, linear.factors)
+            reached = objective.problem.states(trial, guesses, objective.linear.factors)
             if reached is not None:
                 after = objective.value(trial, reached, sigma)
                 if after < before:
@@ -314,7 +314,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables |= {f"basis.{key}": (("cell",), params[:, index]) for index, key in enumerate(problem.basis.names)}
     # Without noise there is nothing that a test cannot tell apart by chance.
     if settings.draws and problem.noisy:
-        draws = found.objective.draws(params, states, settings.draws, settings.seed)
+        draws = found.objective.draws(params, settings.draws, settings.seed)
         variables |= {f"draw.{key}": (("draw", "cell"), draws[..., k]) for k, key in enumerate(problem.basis.names)}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values

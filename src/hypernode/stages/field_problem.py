@@ -260,7 +260,11 @@ class Linearised:
         for row, f in zip(self._force_rows, forces, strict=True):
             response = self.factors[f.step].solve((tangents[f.step] @ f.direction)[free[f.step]])
             row[:] = (B[f.step].T @ f.direction - self._load_transposed[f.step] @ response) / f.sigma
-        self._shared = [self._shared_errors(step, tangents[step], problem) for step in range(len(states))]
+        self._shared = [
+            self._shared_errors(step, tangents[step], problem)
+            for step, errors in enumerate(problem.edge_errors)
+            if errors.size
+        ]
 
     def _shared_errors(self, step: int, K, problem: FieldProblem):
         """(rows, directions, shares) of what errors of the held edges add to the covariance of one step's residuals.

@@ -5,6 +5,7 @@ their noise as a whole. A rigid edge of 50 nodes is known to a fifth of the nois
 size, shared by the sheet, weighs as much as thousands of independent ones.
 """
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +52,15 @@ def roughness(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point point"
     return Q @ scipy.linalg.solve(R, Q.T, assume_a="pos")
 
 
+@functools.cache
+def _modes(x: tuple[float, ...]):
+    """(roughness, shape) of the modes of an edge, smoothest first: every step and component has the same."""
+    bending, modes = np.linalg.eigh(roughness(np.array(x)))
+    # Straight lines are not bent at all.
+    bending[:2] = 0.0
+    return bending, modes
+
+
 def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"], noise: float):
     """The smoothing spline of noisy values along an edge, with the weight of roughness under which they are likeliest.
 
@@ -65,10 +75,9 @@ def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"]
         (values (point,), errors (point, mode)).
     """
     if noise == 0.0 or len(x) < 3:
-        return values, noise * np.eye(len(x))[:, : len(x) if noise else 0]
-    bending, modes = np.linalg.eigh(roughness(x))
-    # Straight lines are not bent at all.
-    bending[:2] = 0.0
+        errors = noise * np.eye(len(x))
+        return values, errors[:, errors.any(axis=0)]
+    bending, modes = _modes(tuple(x))
     amounts = modes.T @ values
     bent, seen = bending[2:], (amounts[2:] / noise) ** 2
 

@@ -66,27 +66,32 @@ class Objective:
         """The share of displacements and forces in :meth:`value`."""
         return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma))
 
-    def gauss_newton(self, params, states, sigma: float, damping: float, explained: bool):
-        """(linearisation, step) of a damped Gauss-Newton iteration, by preconditioned conjugate gradients."""
-        linear, gradient, curvature = self.data_model(params, states, sigma)
+    def linearise(self, params, states, sigma: float) -> None:
+        """Make a field the one about which steps, draws and what residuals share are known."""
+        self.linear = self.problem.linearise(params, states, sigma)
+
+    def gauss_newton(self, params, states, damping: float, explained: bool):
+        """Step of a damped Gauss-Newton iteration from the field linearised last, by conjugate gradients."""
+        linear = self.linear
         regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
+        gradient = linear.adjoint(np.concatenate(self.residuals(states, linear.sigma)))
         gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
-        system = self._normal_equations(linear, regular, curvature)
+        system = self._normal_equations(regular)
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
         step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
         self.known = system.learned()
-        return linear, step
+        return step
 
-    def draws(self, params, states, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
-        """Fields that the test tells as little from the best one as its noise allows.
+    def draws(self, params, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
+        """Fields that the test tells as little from the best one, where it is linearised, as its noise allows.
 
         Samples of the Gaussian with the curvature of the objective there (Laplace's approximation): each answers to
         data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
-        linear, _, curvature = self.data_model(params, states, self.problem.sigma)
+        linear = self.linear
         root = np.sqrt(self.jump_weight) * self.jumps.root(params)
         regular = root.T @ root + scipy.sparse.diags(self.ridge)
-        system = self._normal_equations(linear, regular.tocsc(), curvature)
+        system = self._normal_equations(regular.tocsc())
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
@@ -95,19 +100,15 @@ class Objective:
             fields.append(params + system.solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
         return np.array(fields)
 
-    def data_model(self, params, states, sigma: float):
-        """(linearisation, gradient of the misfits (flat), their mean second derivative by parameter).
+    def _normal_equations(self, regular) -> RecyclingSolver:
+        """J^T J + ``regular``, with a metric that knows the mean curvature of the data by parameter.
 
-        The last is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
+        That is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
         """
-        linear = self.linear = self.problem.linearise(params, states, sigma)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (params.size, CURVATURE_PROBES))
+        linear, parameters = self.linear, len(self.jumps.share)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (regular.shape[0], CURVATURE_PROBES))
         estimate = (signs * linear.adjoint(linear.forward(signs))).mean(axis=1)
-        curvature = np.maximum(estimate.reshape(params.shape).mean(axis=0), 0.0)
-        return linear, linear.adjoint(np.concatenate(self.residuals(states, sigma))), curvature
-
-    def _normal_equations(self, linear, regular, curvature) -> RecyclingSolver:
-        """J^T J + ``regular``; ``curvature`` is the data's mean curvature by parameter."""
-        cells = regular.shape[0] // len(curvature)
+        curvature = np.maximum(estimate.reshape(-1, parameters).mean(axis=0), 0.0)
+        cells = len(estimate) // parameters
         metric = regular + scipy.sparse.diags(np.tile(CURVATURE_SHARE * curvature, cells))
         return RecyclingSolver(lambda x: linear.adjoint(linear.forward(x)) + regular @ x, metric, self.known)
