@@ -51,6 +51,9 @@ SHARP_JUMP = 0.005
 #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the
 #: penalty, and so falls short of where the penalty leads.
 OVER_RELAXATION = 1.7
+#: What jumps cost for a few iterations, to leave one of the many minima that noise makes: factors of the weight and of
+#: the size above which jumps stop costing more, and how many iterations.
+SHAKES = ((0.2, 1.0, 6), (1.0, 10.0, 4))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -159,7 +162,7 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
             tried.append(with_terms(settings.terms, None, further))
     if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
         tried.append(with_terms([*settings.terms, *settings.further_terms], plain, None))
-    found = min(tried, key=lambda each: each.cost)
+    found = _shaken(min(tried, key=lambda each: each.cost), settings, name)
     if found.history[-1] > UNEXPLAINED:
         print(
             f"warning: constrained field of {name}: displacements are missed by {found.history[-1]:.1f} times their "
@@ -167,6 +170,26 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
             "the descent ended early: trust no number of this field; add further_terms or iterations",
             file=sys.stderr,
         )
+    return found
+
+
+def _shaken(found: Found, settings: Constrained, name: str) -> Found:
+    """The best of what descents lead to that begin at ``found`` after jumps have cost something else for a while.
+
+    Only where noise makes minima, and not through a correlation window, where what is gained is not worth the time.
+    """
+    if not found.problem.sharp:
+        return found
+    for weight, scale, iterations in SHAKES:
+        other = {
+            "jump_weight": weight * settings.jump_weight,
+            "jump_scale": scale * settings.jump_scale,
+            "iterations": min(iterations, settings.iterations),
+        }
+        away = descend(found.problem, settings.model_copy(update=other), name, found, None, 0.0)
+        back = descend(found.problem, settings, name, away, None, settings.tolerance)
+        history = np.concatenate([found.history, away.history, back.history])
+        found = min(found, dataclasses.replace(back, history=history), key=lambda each: each.cost)
     return found
 
 
@@ -193,7 +216,7 @@ def _first_field(problem: FieldProblem, before: Found | None):
 def _objective(problem: FieldProblem, settings: Constrained, centre) -> Objective:
     """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
     ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, RIDGE**2), len(centre))
-    jumps = Jumps(problem.mesh, problem.basis.names)
+    jumps = Jumps(problem.mesh, problem.basis.names, problem.stiffness)
     return Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
 
 

@@ -84,11 +84,14 @@ class FieldProblem:
         self._hold(measurement, noise)
         observe = window_average(self.mesh, window)
         self.observe = [observe[free] for free in self.free]
+        area = self.mesh.areas / self.mesh.areas.sum()
+        self._mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.mesh, self.u), area))
         self.homogeneous, self.force_misfit = self._homogeneous()
         described = self.force_misfit <= DESCRIPTION_ERROR
         relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
         self._edge_forces(measurement, np.maximum(relative, float(measurement.attrs["force_uncertainty"])))
         self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
+        self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
         self._gradients, self._weights = self.solver.shape_gradients
         dofs = (2 * self.mesh.cells[:, :, None] + np.arange(2)).reshape(cells, 8)
         count = len(self.basis.names)
@@ -126,8 +129,7 @@ class FieldProblem:
         The first comes from a fit to all tests that prefers the plainest material, the second from fits to
         one test that hardly do: what no material of the basis can follow is an error of the description.
         """
-        loading, area = self.loading, self.mesh.areas / self.mesh.areas.sum()
-        mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.mesh, self.u), area))
+        loading, mean_F = self.loading, self._mean_F
         target = np.stack([loading.P_average[:, i, i] for i in range(2)])
         start = self.basis.start
         start[0] = np.log(0.3 * loading.scale.max())
@@ -191,6 +193,16 @@ class FieldProblem:
             return jnp.einsum("q,qaJ,iJq->ai", weight, gradient, self.basis.stress(F, params[:, None])).ravel()
 
         return jax.jacfwd(nodal)(params)
+
+    def _log_stress(self, params):
+        """Logarithm of the size of the stress under the mean deformation of the sheet, every step over its scale."""
+        P = self.basis.stress(self._mean_F, params[:, None]) / self.loading.scale
+        return 0.5 * jnp.log(jnp.sum(P**2))
+
+    def stiffness(self, params: Float[np.ndarray, "cell parameter"]):
+        """(logarithm of the stress under the mean deformation of the sheet (cell,), its derivative)."""
+        value, derivative = self._stiffness(params)
+        return np.asarray(value), np.asarray(derivative)
 
     def states(self, params: Float[np.ndarray, "cell parameter"], guesses, factors=None) -> list[State] | None:
         """Equilibrium of every load step, or None where Newton's method fails for one.

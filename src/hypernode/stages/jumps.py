@@ -30,9 +30,15 @@ class Jumps:
     scale log(1 + |jump| / scale), which no longer shrinks true jumps. Once ``isotropic``, cells that face
     each other at a corner count too, so that a contour costs its length in every direction; on the way
     there corners only add local minima. ``smallest`` is the size below which jumps are smoothed.
+
+    Args:
+        names: of the parameters, the logarithm of the stiffness first.
+        stiffness: takes parameters (cell, parameter) to (logarithm of the stress (cell,), its derivative), where the
+            first parameter is not all of the stiffness: what a jump of stiffness costs must not depend on the terms
+            that make it, or it is divided among them.
     """
 
-    def __init__(self, mesh: Mesh, names):
+    def __init__(self, mesh: Mesh, names, stiffness=None):
         sides, length, _ = mesh.neighbours()
         corners, across = mesh.diagonal_neighbours()
         unit = np.sqrt(mesh.areas.mean())
@@ -43,25 +49,38 @@ class Jumps:
         self._length = [length / unit, isotropic]
         self.isotropic, self.smallest = False, SMALLEST_JUMP
         self.share = np.array([JUMP_SHARE.get(name, DEFAULT_JUMP_SHARE) for name in names])
-        self.scale = None
+        self.scale, self._stiffness = None, stiffness
 
-    def _size(self, params):
-        return np.sqrt(((self._difference[self.isotropic] @ (params * self.share)) ** 2).sum(axis=1) + self.smallest**2)
+    def _coordinates(self, params):
+        """(what jumps (cell, coordinate), its derivative (cell, coordinate, parameter))."""
+        values = params * self.share
+        derivative = np.tile(np.diag(self.share), (len(params), 1, 1))
+        if self._stiffness is not None:
+            values[:, 0], derivative[:, 0] = self._stiffness(params)
+        return values, derivative
+
+    def _jumps(self, values):
+        """(jumps (pair, coordinate), their size)."""
+        jumps = self._difference[self.isotropic] @ values
+        return jumps, np.sqrt((jumps**2).sum(axis=1) + self.smallest**2)
 
     def value(self, params) -> float:
         """The penalty."""
-        size = self._size(params)
+        _, size = self._jumps(self._coordinates(params)[0])
         cost = size if self.scale is None else self.scale * np.log1p(size / self.scale)
         return float(self._length[self.isotropic] @ cost)
 
-    def hessian(self, params) -> scipy.sparse.csc_matrix:
-        """Quadratic form that touches the penalty from above, on the flattened parameters."""
-        root = self.root(params)
-        return (root.T @ root).tocsc()
+    def roots(self, params):
+        """(R, r): R^T R is a quadratic form that touches the penalty from above, R^T r its gradient.
 
-    def root(self, params) -> scipy.sparse.csr_matrix:
-        """Matrix R with R^T R = :meth:`hessian`."""
-        size = self._size(params)
+        The former to first order in the change of the coordinates, and both on the flattened parameters.
+        """
+        values, derivative = self._coordinates(params)
+        jumps, size = self._jumps(values)
         weight = self._length[self.isotropic] / size / (1.0 if self.scale is None else 1.0 + size / self.scale)
-        weighted = scipy.sparse.diags(np.sqrt(weight)) @ self._difference[self.isotropic]
-        return scipy.sparse.kron(weighted, scipy.sparse.diags(self.share)).tocsr()
+        root = np.sqrt(weight)
+        weighted = scipy.sparse.diags(root) @ self._difference[self.isotropic]
+        cells, count, _ = derivative.shape
+        block = scipy.sparse.bsr_matrix((derivative, np.arange(cells), np.arange(cells + 1)))
+        R = scipy.sparse.kron(weighted, scipy.sparse.identity(count)) @ block
+        return R.tocsr(), (root[:, None] * jumps).ravel()

@@ -73,9 +73,10 @@ class Objective:
     def gauss_newton(self, params, states, damping: float, explained: bool):
         """Step of a damped Gauss-Newton iteration from the field linearised last, by conjugate gradients."""
         linear = self.linear
-        regular = self.jump_weight * self.jumps.hessian(params) + scipy.sparse.diags(self.ridge + damping)
+        root, jumps = self.jumps.roots(params)
+        regular = (self.jump_weight * root.T @ root + scipy.sparse.diags(self.ridge + damping)).tocsc()
         gradient = linear.adjoint(np.concatenate(self.residuals(states, linear.sigma)))
-        gradient += (regular - damping * scipy.sparse.identity(params.size)) @ params.ravel() - self.ridge * self.centre
+        gradient += self.jump_weight * root.T @ jumps + self.ridge * (params.ravel() - self.centre)
         system = self._normal_equations(regular)
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
         step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
@@ -89,7 +90,7 @@ class Objective:
         data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
         linear = self.linear
-        root = np.sqrt(self.jump_weight) * self.jumps.root(params)
+        root = np.sqrt(self.jump_weight) * self.jumps.roots(params)[0]
         regular = root.T @ root + scipy.sparse.diags(self.ridge)
         system = self._normal_equations(regular.tocsc())
         random, fields = np.random.default_rng(seed), []
