@@ -1,0 +1,96 @@
+"""The convex basis: what it contains, and that it is convex, consistent and stress-free at rest."""
+
+import jax
+import numpy as np
+import pytest
+import scipy.optimize
+
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
+from hypernode.mechanics.kinematics import Invariants, invariants
+from hypernode.mechanics.material_names import BASIS_TERMS
+from hypernode.mechanics.materials import compressible_neo_hookean, goh, hgo, mooney_rivlin, neo_hookean
+from tests.stages.sheets import SCALE
+
+#: All terms of an incompressible sheet, and of a compressible one.
+BASES = [tuple(term for term in BASIS_TERMS if term != other) for other in ("J", "I2")]
+
+
+def stress_of(energy, F, params, angle=0.0):
+    return jax.grad(lambda F: energy(invariants(F, angle), params))(F)
+
+
+def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
+    F = np.array([[1.15, 0.08], [-0.03, 1.05]])
+    basis = ConvexBasis(("I2",), SCALE)
+    found = basis.stress(F, np.array([np.log(0.3), np.log(1.0 + 0.1 / 0.3)]))
+    wanted = stress_of(mooney_rivlin, F, {"C10": 0.3, "C01": 0.1})
+    np.testing.assert_allclose(found, wanted, rtol=1e-4)
+    basis, strength, angle, kappa = ConvexBasis(("fibre",), SCALE), 4.0, 0.4, 0.1
+    # kappa (I1 - 3) + (1 - 3 kappa)(I4 - 1) = (1 - 2 kappa) E with b = kappa / (1 - 2 kappa); k2 small: <E>^2.
+    b = kappa / (1.0 - 2.0 * kappa)
+    params = np.array([np.log(0.5), strength * np.cos(2 * angle), strength * np.sin(2 * angle), np.log(b / (1 - b))])
+    k1 = 0.5 * (strength - 0.02) / SCALE / (1.0 - 2.0 * kappa) ** 2
+    wanted = stress_of(goh, F, {"C10": 0.5, "k1": k1, "k2": 1e-9, "kappa": kappa}, angle)
+    np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
+
+
+def test_the_basis_contains_two_families_of_fibres():
+    F, angle, k1 = np.array([[1.15, 0.08], [-0.03, 1.1]]), 0.4, 0.5
+    basis, strength, share = ConvexBasis(("fibre", "across"), SCALE), 0.5 * SCALE / 0.5, 0.6
+    fibre = (strength + 0.02) * np.array([np.cos(2 * angle), np.sin(2 * angle)])
+    params = np.array([np.log(0.5), *fibre, -40.0, np.log1p(share)])
+    wanted = stress_of(hgo, F, {"C10": 0.5, "k1": k1, "k1w": share * k1, "k2": 1e-9}, angle)
+    # The direction of fibres is rounded by a share (0.02 / |z|)^2 / 2.
+    np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=3e-3)
+
+
+def test_the_compressible_basis_contains_the_incompressible_sheet_and_comes_close_to_any_other():
+    F = np.array([[1.15, 0.08], [-0.03, 1.05]])
+    basis = ConvexBasis(("J",), SCALE)
+    found = basis.stress(F, np.array([np.log(0.5), -40.0, np.log(2.0)]))
+    wanted = stress_of(neo_hookean, F, {"mu": 1.0})
+    # Coefficients that vanish do so gradually.
+    np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-4)
+    modes = [np.diag([s, s]) for s in (1.05, 1.1, 1.2)] + [np.diag([s, 0.93]) for s in (1.1, 1.2)]
+    for K in (0.3, 1.0, 5.0):
+        wanted = np.array([stress_of(compressible_neo_hookean, F, {"mu": 1.0, "K": K}) for F in modes])
+        fit = scipy.optimize.least_squares(
+            lambda p, wanted=wanted: (np.array([basis.stress(F, p) for F in modes]) - wanted).ravel(), basis.start
+        )
+        assert np.linalg.norm(fit.fun) < 0.01 * np.linalg.norm(wanted)
+
+
+@pytest.mark.parametrize("terms", BASES)
+def test_the_stress_of_the_basis_is_the_derivative_of_its_energy(terms):
+    rng = np.random.default_rng(7)
+    basis = ConvexBasis(terms, SCALE)
+    for _ in range(10):
+        F, params = np.eye(2) + rng.normal(0.0, 0.15, (2, 2)), rng.normal(0.0, 1.0, len(basis.names))
+        np.testing.assert_allclose(
+            basis.stress(F, params), jax.grad(lambda F, p=params: basis.energy(F, p))(F), rtol=1e-10, atol=1e-12
+        )
+
+
+@pytest.mark.parametrize("terms", BASES)
+def test_the_basis_is_convex_along_rank_one_lines(terms):
+    rng = np.random.default_rng(1)
+    basis = ConvexBasis(terms, SCALE)
+    energy = jax.jit(basis.energy)
+    for _ in range(40):
+        params = rng.normal(0.0, 1.5, len(basis.names))
+        F, h = np.eye(2) + rng.normal(0.0, 0.15, (2, 2)), 1e-3
+        line = h * np.outer(*rng.normal(size=(2, 2)))
+        curvature = energy(F + line, params) - 2.0 * energy(F, params) + energy(F - line, params)
+        assert curvature >= -1e-11
+
+
+@pytest.mark.parametrize("terms", BASES)
+def test_the_basis_is_stress_free_and_isotropic_without_fibres(terms):
+    basis = ConvexBasis(terms, SCALE)
+    assert np.abs(basis.stress(np.eye(2), basis.start)).max() < 1e-14
+    params = basis.start
+    params[[basis.names.index(name) for name in FIBRE_VECTOR]] = 0.0
+    c, s = np.cos(0.7), np.sin(0.7)
+    R, F = np.array([[c, -s], [s, c]]), np.array([[1.2, 0.1], [0.0, 0.95]])
+    np.testing.assert_allclose(basis.stress(F @ R, params), basis.stress(F, params) @ R, atol=1e-12)
+    assert Invariants(*invariants(np.eye(2), 0.0)) == (3.0, 3.0, 1.0, 1.0, 1.0)

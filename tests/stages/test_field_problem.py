@@ -1,0 +1,78 @@
+"""What equilibrium makes of a field: exact derivatives, forces that are known, errors that residuals share."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from hypernode.config import Constrained
+from hypernode.mechanics.loads import make_load
+from hypernode.stages import field_problem
+from hypernode.stages.field_problem import FieldProblem
+from tests.stages.sheets import sheet, square
+
+
+@pytest.mark.parametrize("kind", ["equibiaxial", "uniaxial_x", "clamped_y"])
+@pytest.mark.parametrize("window", [0.0, 0.3])
+def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, monkeypatch):
+    # Differences need a sharper equilibrium than an identification does.
+    monkeypatch.setattr(field_problem, "NEWTON_TOLERANCE", 1e-10)
+    data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3, window=window)
+    problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+    rng = np.random.default_rng(2)
+    params = params + rng.normal(0.0, 0.1, params.shape)
+    change = rng.normal(0.0, 1.0, params.size)
+    sigma = problem.sigma
+
+    states = problem.states(params, problem.extension(params))
+    linear = problem.linearise(params, states, sigma)
+
+    def residuals(params):
+        u, f = problem.residuals(problem.states(params, problem.extension(params)))
+        return linear.whiten(np.concatenate([*(r / sigma for r in u), f]))
+
+    def misfit(t):
+        return 0.5 * np.sum(residuals(params + t * change.reshape(params.shape)) ** 2)
+
+    gradient = linear.adjoint(residuals(params))
+    h = 1e-5
+    assert gradient @ change == pytest.approx((misfit(h) - misfit(-h)) / (2 * h), rel=1e-6)
+    weights = rng.normal(size=linear.shape[0])
+    assert weights @ linear.forward(change) == pytest.approx(linear.adjoint(weights) @ change, rel=1e-10)
+
+
+def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():
+    pulled, biaxial = (sheet(8, square, make_load(kind, [1.1, 1.2]))[0] for kind in ("uniaxial_x", "equibiaxial"))
+    both = xr.concat([biaxial, pulled.assign(test=pulled["test"] + 1)], "load_step", data_vars="minimal")
+    both["u_measured"] = both["u_measured"].transpose("repeat", "load_step", "node", "i")
+    settings = Constrained(terms=["I1_squared"])
+    problem = FieldProblem(both, settings)
+    assert problem.force_misfit.shape == (2,) and problem.force_misfit.max() < 0.01
+    assert {f.step for f in problem.forces} == {0, 1, 2, 3}
+    assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
+
+
+def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet_at_one():
+    data, mesh, _ = sheet(5, square, make_load("clamped_y", [1.1]))
+    whole = FieldProblem(data, Constrained(terms=["I1_squared"]))
+    cut = FieldProblem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
+    ends = [[int(mesh.nodes[f.direction.reshape(-1, 2)[:, 1] > 0, 1].mean()) for f in p.forces] for p in (whole, cut)]
+    assert ends == [[1], [1, 0]]
+    assert cut.forces[0].value == pytest.approx(-cut.forces[1].value)
+
+
+def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
+    """Of the true field the whitened residuals are independent and of unit variance; raw ones are too large."""
+    raw, white, count = [], [], 0
+    for seed in range(4):
+        data, _, params = sheet(12, square, make_load("clamped_y", [1.1, 1.2]), noise=1e-3, seed=seed)
+        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+        states = problem.states(params, problem.extension(params))
+        u, f = problem.residuals(states)
+        residual = np.concatenate([*(r / problem.sigma for r in u), f])
+        raw.append(residual @ residual)
+        white.append(np.sum(problem.linearise(params, states, problem.sigma).whiten(residual) ** 2))
+        # Exact forces miss by nothing of their own.
+        count += len(residual) - len(f)
+    by_chance = np.sqrt(2.0 * count)
+    assert abs(sum(white) - count) < 3.0 * by_chance
+    assert sum(raw) - count > 3.5 * by_chance
