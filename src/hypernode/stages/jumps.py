@@ -71,16 +71,15 @@ class Jumps:
         return float(self._length[self.isotropic] @ cost)
 
     def roots(self, params):
-        """(R, r): R^T R is a quadratic form that touches the penalty from above, R^T r its gradient.
+        """(R, r, B): with y = B x, y^T R^T R y is a quadratic form that touches the penalty from above.
 
-        The former to first order in the change of the coordinates, and both on the flattened parameters.
+        The form to first order in the change of the coordinates y, in which one does not know of the other; the
+        penalty's gradient by the parameters is B^T R^T r. All act on flattened fields.
         """
         values, derivative = self._coordinates(params)
         jumps, size = self._jumps(values)
         weight = self._length[self.isotropic] / size / (1.0 if self.scale is None else 1.0 + size / self.scale)
         root = np.sqrt(weight)
         weighted = scipy.sparse.diags(root) @ self._difference[self.isotropic]
-        cells, count, _ = derivative.shape
-        block = scipy.sparse.bsr_matrix((derivative, np.arange(cells), np.arange(cells + 1)))
-        R = scipy.sparse.kron(weighted, scipy.sparse.identity(count)) @ block
-        return R.tocsr(), (root[:, None] * jumps).ravel()
+        R = scipy.sparse.kron(weighted, scipy.sparse.identity(derivative.shape[1]))
+        return R.tocsr(), (root[:, None] * jumps).ravel(), derivative

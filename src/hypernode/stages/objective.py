@@ -72,12 +72,13 @@ class Objective:
 
     def gauss_newton(self, params, states, damping: float, explained: bool):
         """Step of a damped Gauss-Newton iteration from the field linearised last, by conjugate gradients."""
-        linear = self.linear
-        root, jumps = self.jumps.roots(params)
-        regular = (self.jump_weight * root.T @ root + scipy.sparse.diags(self.ridge + damping)).tocsc()
-        gradient = linear.adjoint(np.concatenate(self.residuals(states, linear.sigma)))
-        gradient += self.jump_weight * root.T @ jumps + self.ridge * (params.ravel() - self.centre)
-        system = self._normal_equations(regular)
+        R, jumps, derivative = self.jumps.roots(params)
+        gradient = self.linear.adjoint(np.concatenate(self.residuals(states, self.linear.sigma)))
+        gradient += self.jump_weight * block_diagonal(derivative).T @ (R.T @ jumps)
+        gradient += self.ridge * (params.ravel() - self.centre)
+        system = NormalEquations(
+            self.linear, R * np.sqrt(self.jump_weight), derivative, self.ridge + damping, self.known
+        )
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
         step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
         self.known = system.learned()
@@ -90,26 +91,64 @@ class Objective:
         data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
         linear = self.linear
-        root = np.sqrt(self.jump_weight) * self.jumps.roots(params)[0]
-        regular = root.T @ root + scipy.sparse.diags(self.ridge)
-        system = self._normal_equations(regular.tocsc())
+        R, _, derivative = self.jumps.roots(params)
+        R = R * np.sqrt(self.jump_weight)
+        system = NormalEquations(linear, R, derivative, self.ridge, self.known)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
-            disturbed += root.T @ random.normal(size=root.shape[0])
+            disturbed += block_diagonal(derivative).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
             fields.append(params + system.solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
         return np.array(fields)
 
-    def _normal_equations(self, regular) -> RecyclingSolver:
-        """J^T J + ``regular``, with a metric that knows the mean curvature of the data by parameter.
 
-        That is the diagonal of J^T J from products with random signs (Hutchinson's estimate).
-        """
-        linear, parameters = self.linear, len(self.jumps.share)
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (regular.shape[0], CURVATURE_PROBES))
-        estimate = (signs * linear.adjoint(linear.forward(signs))).mean(axis=1)
-        curvature = np.maximum(estimate.reshape(-1, parameters).mean(axis=0), 0.0)
-        cells = len(estimate) // parameters
-        metric = regular + scipy.sparse.diags(np.tile(CURVATURE_SHARE * curvature, cells))
-        return RecyclingSolver(lambda x: linear.adjoint(linear.forward(x)) + regular @ x, metric, self.known)
+def block_diagonal(blocks: Float[np.ndarray, "cell row column"]) -> scipy.sparse.bsr_matrix:
+    """Matrix with one block a cell, on flattened fields."""
+    return scipy.sparse.bsr_matrix((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1)))
+
+
+class NormalEquations:
+    """(J^T J + B^T R^T R B + ridge) x = b, solved for the coordinates y = B x of jumps.
+
+    There the jumps of one coordinate do not know of another's, and the metric of the solver, which has them all, falls
+    into one small matrix a coordinate; by the parameters it would be one large matrix.
+
+    Args:
+        linear: J.
+        R: root of the jumps' quadratic form.
+        derivative: B, one invertible block a cell.
+        ridge: by parameter.
+        known: what an earlier system :meth:`learned`.
+    """
+
+    def __init__(self, linear: Linearised, R, derivative: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
+        inverse = np.linalg.inv(derivative)
+        self._to_params = block_diagonal(inverse).tocsr()
+        self._to_coordinates = self._to_params.T.tocsr()
+        jumps = (R.T @ R).tocsc()
+
+        def data(y):
+            return self._to_coordinates @ linear.adjoint(linear.forward(self._to_params @ y))
+
+        def product(y):
+            x = self._to_params @ y
+            held = ridge * x if x.ndim == 1 else ridge[:, None] * x
+            return self._to_coordinates @ (linear.adjoint(linear.forward(x)) + held) + jumps @ y
+
+        # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
+        # (Hutchinson's estimate).
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], CURVATURE_PROBES))
+        estimate = (signs * data(signs)).mean(axis=1).reshape(derivative.shape[:2])
+        curvature = CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
+        held = np.einsum("cp,cpq->cq", ridge.reshape(derivative.shape[:2]), inverse**2)
+        metric = jumps + scipy.sparse.diags((held + curvature).ravel())
+        self._solver = RecyclingSolver(product, metric, known)
+
+    def solve(self, b, rtol: float, iterations: int):
+        """x to the relative residual ``rtol`` of the coordinates' system, or as near as ``iterations`` come."""
+        return self._to_params @ self._solver.solve(self._to_coordinates @ b, rtol, iterations)
+
+    def learned(self):
+        """What makes the next system easier, see :class:`RecyclingSolver`."""
+        return self._solver.learned()
