@@ -14,7 +14,7 @@ from hypernode.stages.recycling import RecyclingSolver
 LINEAR_ITERATIONS = (150, 200)
 #: Residual at which they end, relative to the gradient: while the displacements are not explained, and
 #: then. The valleys on the way are narrow; a loose step crosses them to and fro, and where that ends is chance.
-LINEAR_TOLERANCE = (0.003, 0.01)
+LINEAR_TOLERANCE = (0.001, 0.003)
 #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors
 #: estimate it.
 CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
