@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -113,6 +114,16 @@ def test_fibres_that_no_datum_tells_of_begin_small_and_the_prior_wants_none():
     fibre = [problem.basis.names.index(name) for name in FIBRE_VECTOR]
     assert np.linalg.norm(params[:, fibre], axis=1) == pytest.approx(0.01)
     assert np.all(centre[:, fibre] == 0.0)
+
+
+def test_a_descent_begins_where_another_ended_even_where_no_fibres_were_found_in_some_cells():
+    """The first cell has none, as in a plain matrix: once, all cells lost theirs."""
+    data, _, _ = sheet(5, square, make_load("uniaxial_y", [1.1, 1.2]))
+    problem = FieldProblem(data, Constrained(terms=["I1_squared", "fibre"]))
+    found = np.random.default_rng(6).normal(size=_first_field(problem, None)[0].shape)
+    found[0, [problem.basis.names.index(name) for name in FIBRE_VECTOR]] = 0.0
+    params, _ = _first_field(problem, SimpleNamespace(problem=problem, params=found))
+    np.testing.assert_allclose(params, found, atol=1e-12)
 
 
 def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_test_is_a_warning(capsys):

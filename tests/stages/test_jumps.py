@@ -11,10 +11,15 @@ from hypernode.stages.jumps import Jumps
 from tests.stages.sheets import sheet, square
 
 
+def level_alone(params):
+    """Stiffness of a sheet without further terms."""
+    return params[:, 0], np.ones_like(params)
+
+
 def test_jumps_cost_length_times_size_and_large_ones_stop_costing_more():
     lines = np.linspace(0.0, 1.0, 9)
     mesh = rectilinear(lines, lines)
-    jumps = Jumps(mesh, ("log_level",))
+    jumps = Jumps(mesh, ("log_level",), level_alone)
 
     def cost(height):
         return jumps.value(height * (mesh.centres[:, :1] > 0.5)) - jumps.value(np.zeros((len(mesh.cells), 1)))
@@ -67,7 +72,7 @@ def test_the_gradient_of_jumps_is_their_derivative_where_terms_make_up_the_stiff
 def test_an_isotropic_contour_costs_its_length_along_the_grid_and_across_it():
     lines = np.linspace(0.0, 1.0, 41)
     mesh = rectilinear(lines, lines)
-    jumps = Jumps(mesh, ("log_level",))
+    jumps = Jumps(mesh, ("log_level",), level_alone)
     X, flat = mesh.centres, jumps.value(np.zeros((len(mesh.cells), 1)))
 
     def costs():

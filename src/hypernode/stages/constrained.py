@@ -6,7 +6,8 @@ and edge forces, in units of their noise, is reduced together with the jumps of 
 Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly matters.
 
 The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
-valleys that all coefficients together make. From there the other terms are released.
+valleys that all coefficients together make. From there the other terms are released. Where noise makes
+many minima, what was found is shaken out of its own to see whether there is a better one.
 """
 
 import dataclasses
@@ -40,7 +41,7 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
     Where the terms leave doubt, all at once are released from the homogeneous sheet, since a stiffness that had to
     stand for other terms may mislead; where the test is still not explained, the further terms as well, which would
-    only make longer valleys where they are not needed. Of what was tried the most probable field is kept.
+    only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and shaken.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.

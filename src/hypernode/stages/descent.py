@@ -101,7 +101,7 @@ class Found:
 
 
 def _first_field(problem: FieldProblem, before: Found | None):
-    """(parameters by cell, where the ridge pulls them) of a descent that follows that of the stiffness alone.
+    """(parameters by cell, where the ridge pulls them) of a descent that follows another, if there was one before.
 
     Fibres that no force tells of have no gradient at zero, so they begin a little above; but none is what the
     ridge prefers, so that they vanish where the data say nothing of them.
@@ -111,12 +111,12 @@ def _first_field(problem: FieldProblem, before: Found | None):
     params = centre.copy()
     fibre = [names.index(key) for key in FIBRE_VECTOR if key in names]
     centre[:, fibre] = 0.0
+    if fibre and np.linalg.norm(problem.homogeneous[fibre]) < SMALLEST_FIBRE:
+        params[:, fibre] = SMALLEST_FIBRE, 0.0
     # Other terms of the homogeneous fit are stiffness too; only the differences between cells are kept.
     if before is not None:
         known = [names.index(name) for name in before.problem.basis.names]
-        params[:, known] += before.params - before.problem.homogeneous
-    if fibre and np.linalg.norm(params[0, fibre]) < SMALLEST_FIBRE:
-        params[:, fibre] = SMALLEST_FIBRE, 0.0
+        params[:, known] = problem.homogeneous[known] + (before.params - before.problem.homogeneous)
     return params, centre
 
 
@@ -141,7 +141,7 @@ def descend(
     iterations, far from the solution, are not ruled by the last digit.
 
     Args:
-        before: what the stiffness alone found, to begin from; the homogeneous sheet without it.
+        before: what a descent found with these terms or fewer, to begin from; the homogeneous sheet without it.
         plateau: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
@@ -159,7 +159,7 @@ def descend(
         )
     objective = _objective(problem, settings, centre)
     jumps = objective.jumps
-    # What the stiffness alone found has its jumps already: nothing is gained by making them cost more again.
+    # What was found before has its jumps already: nothing is gained by making them cost more again.
     jumps.scale = None if before is None else settings.jump_scale
     # There is nothing to sharpen yet where other terms follow for certain.
     finest = SHARP_JUMP if problem.sharp and tolerance <= settings.tolerance else jumps.smallest

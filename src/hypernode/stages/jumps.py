@@ -1,5 +1,7 @@
 """How much a field of parameters varies from cell to cell, and what a jump of it costs."""
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse
 
@@ -7,8 +9,8 @@ from hypernode.mechanics.mesh import Mesh
 
 #: Relative jumps below this size are smoothed rather than counted.
 SMALLEST_JUMP = 0.02
-#: What a jump of each parameter counts, against one of the logarithm of the stiffness.
-JUMP_SHARE = {"log_level": 1.0, "logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
+#: What a jump of each further parameter counts, against one of the logarithm of the stiffness.
+JUMP_SHARE = {"logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
 DEFAULT_JUMP_SHARE = 0.5
 #: Length of an interface that a pair of cells with a common side, or with only a corner, stands for in the
 #: isotropic sum. With these an interface along the grid and one at 45 degrees both count their true
@@ -32,13 +34,13 @@ class Jumps:
     there corners only add local minima. ``smallest`` is the size below which jumps are smoothed.
 
     Args:
-        names: of the parameters, the logarithm of the stiffness first.
-        stiffness: takes parameters (cell, parameter) to (logarithm of the stress (cell,), its derivative), where the
-            first parameter is not all of the stiffness: what a jump of stiffness costs must not depend on the terms
-            that make it, or it is divided among them.
+        names: of the parameters, the level of the stiffness first.
+        stiffness: takes parameters (cell, parameter) to (logarithm of the stress (cell,), its derivative), which takes
+            the place of the level: what a jump of stiffness costs must not depend on the terms that make it, or it is
+            divided among them.
     """
 
-    def __init__(self, mesh: Mesh, names, stiffness=None):
+    def __init__(self, mesh: Mesh, names, stiffness: Callable):
         sides, length, _ = mesh.neighbours()
         corners, across = mesh.diagonal_neighbours()
         unit = np.sqrt(mesh.areas.mean())
@@ -55,8 +57,7 @@ class Jumps:
         """(what jumps (cell, coordinate), its derivative (cell, coordinate, parameter))."""
         values = params * self.share
         derivative = np.tile(np.diag(self.share), (len(params), 1, 1))
-        if self._stiffness is not None:
-            values[:, 0], derivative[:, 0] = self._stiffness(params)
+        values[:, 0], derivative[:, 0] = self._stiffness(params)
         return values, derivative
 
     def _jumps(self, values):

@@ -72,13 +72,10 @@ class Objective:
 
     def gauss_newton(self, params, states, damping: float, explained: bool):
         """Step of a damped Gauss-Newton iteration from the field linearised last, by conjugate gradients."""
-        R, jumps, derivative = self.jumps.roots(params)
+        R, r, B = self._jump_roots(params)
         gradient = self.linear.adjoint(np.concatenate(self.residuals(states, self.linear.sigma)))
-        gradient += self.jump_weight * block_diagonal(derivative).T @ (R.T @ jumps)
-        gradient += self.ridge * (params.ravel() - self.centre)
-        system = NormalEquations(
-            self.linear, R * np.sqrt(self.jump_weight), derivative, self.ridge + damping, self.known
-        )
+        gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
+        system = NormalEquations(self.linear, R, B, self.ridge + damping, self.known)
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
         step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
         self.known = system.learned()
@@ -91,16 +88,21 @@ class Objective:
         data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
         linear = self.linear
-        R, _, derivative = self.jumps.roots(params)
-        R = R * np.sqrt(self.jump_weight)
-        system = NormalEquations(linear, R, derivative, self.ridge, self.known)
+        R, _, B = self._jump_roots(params)
+        system = NormalEquations(linear, R, B, self.ridge, self.known)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
-            disturbed += block_diagonal(derivative).T @ (R.T @ random.normal(size=R.shape[0]))
+            disturbed += block_diagonal(B).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
             fields.append(params + system.solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
         return np.array(fields)
+
+    def _jump_roots(self, params):
+        """:meth:`Jumps.roots` with the weight of jumps."""
+        R, r, B = self.jumps.roots(params)
+        weight = np.sqrt(self.jump_weight)
+        return weight * R, weight * r, B
 
 
 def block_diagonal(blocks: Float[np.ndarray, "cell row column"]) -> scipy.sparse.bsr_matrix:
@@ -117,13 +119,13 @@ class NormalEquations:
     Args:
         linear: J.
         R: root of the jumps' quadratic form.
-        derivative: B, one invertible block a cell.
+        B: one invertible block a cell.
         ridge: by parameter.
         known: what an earlier system :meth:`learned`.
     """
 
-    def __init__(self, linear: Linearised, R, derivative: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
-        inverse = np.linalg.inv(derivative)
+    def __init__(self, linear: Linearised, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
+        inverse = np.linalg.inv(B)
         self._to_params = block_diagonal(inverse).tocsr()
         self._to_coordinates = self._to_params.T.tocsr()
         jumps = (R.T @ R).tocsc()
@@ -139,9 +141,9 @@ class NormalEquations:
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], CURVATURE_PROBES))
-        estimate = (signs * data(signs)).mean(axis=1).reshape(derivative.shape[:2])
+        estimate = (signs * data(signs)).mean(axis=1).reshape(B.shape[:2])
         curvature = CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
-        held = np.einsum("cp,cpq->cq", ridge.reshape(derivative.shape[:2]), inverse**2)
+        held = np.einsum("cp,cpq->cq", ridge.reshape(B.shape[:2]), inverse**2)
         metric = jumps + scipy.sparse.diags((held + curvature).ravel())
         self._solver = RecyclingSolver(product, metric, known)
 
