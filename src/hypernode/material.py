@@ -108,11 +108,17 @@ def nearest_cell(file: xr.Dataset):
     return lambda X: tree.query(np.asarray(X))[1]
 
 
-def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter cell"]]:
-    """The convex basis of a constrained field and its parameters in every cell."""
+def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter part cell"]]:
+    """The convex basis of a constrained field and its parameters in the parts of every cell, row by row."""
     spec = json.loads(file.attrs["basis"])
     basis = ConvexBasis(tuple(spec["terms"]), spec["invariant_scale"])
     return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
+
+
+def mean_of_parts(law):
+    """Stress or energy of cells as the mean of their parts, whose parameters are (parameter, part, point)."""
+    # One after the other: the mean along a middle axis comes out wrong of XLA's compiler for CPUs at some sizes.
+    return lambda F, params: sum(law(F, params[:, k]) for k in range(params.shape[1])) / params.shape[1]
 
 
 def drawn_material(file: xr.Dataset) -> Material | None:
@@ -126,12 +132,17 @@ def drawn_material(file: xr.Dataset) -> Material | None:
     if names[0] not in file:
         return None
     draws = np.stack([file[name].values for name in names])
-    best = np.broadcast_to(best[:, None], draws.shape).reshape(len(names), -1)
-    params = jnp.asarray(best), jnp.asarray(draws.reshape(best.shape) - best)
+    change = np.moveaxis(draws - best[:, None], 1, 2)
+    params = tuple(
+        jnp.asarray(np.broadcast_to(each, change.shape).reshape(*best.shape[:2], -1))
+        for each in (best[:, :, None], change)
+    )
 
-    def linear(function):
+    def linear(law):
+        of_cells = mean_of_parts(law)
+
         def extended(F, params):
-            value, change = jax.jvp(lambda p: function(F, p), params[:1], params[1:])
+            value, change = jax.jvp(lambda p: of_cells(F, p), params[:1], params[1:])
             return value + change
 
         return extended
@@ -142,7 +153,8 @@ def drawn_material(file: xr.Dataset) -> Material | None:
 def _convex_basis(file: xr.Dataset) -> Material:
     basis, params = basis_field(file)
     cell = nearest_cell(file)
-    return Material(lambda X: jnp.asarray(params[:, cell(X)]), basis.stress, basis.energy, units_of(file))
+    laws = mean_of_parts(basis.stress), mean_of_parts(basis.energy)
+    return Material(lambda X: jnp.asarray(params[..., cell(X)]), *laws, units_of(file))
 
 
 def _closed_form(file: xr.Dataset) -> Material:

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from types import SimpleNamespace
 
+import jax
 import numpy as np
 import pytest
 import scipy.linalg
@@ -11,12 +12,14 @@ import xarray as xr
 from pydantic import ValidationError
 
 from hypernode.config import Constrained, Node
-from hypernode.material import drawn_material
+from hypernode.material import drawn_material, mean_of_parts
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
+from hypernode.mechanics.mesh import rectilinear
 from hypernode.stages.constrained import identify
 from hypernode.stages.descent import _first_field, descend
 from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.observation import window_average
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
 from tests.stages.sheets import SCALE, sheet, square
 
@@ -81,9 +84,9 @@ def test_a_draw_changes_the_stress_to_first_order_so_that_parameters_that_trade_
         {
             "X": (("node", "i"), nodes),
             "cells": (("cell", "vertex"), np.array([[0, 1, 4, 5], [1, 2, 3, 4]])),
-            **{f"basis.{name}": (("cell",), best[k]) for k, name in enumerate(basis.names)},
+            **{f"basis.{name}": (("part", "cell"), best[k, None]) for k, name in enumerate(basis.names)},
             **{
-                f"draw.{name}": (("draw", "cell"), best[k] + change[k] * np.array([[1.0], [-1.0]]))
+                f"draw.{name}": (("draw", "part", "cell"), best[k] + change[k] * np.array([[[1.0]], [[-1.0]]]))
                 for k, name in enumerate(basis.names)
             },
         },
@@ -110,7 +113,7 @@ def test_fibres_that_no_datum_tells_of_begin_small_and_the_prior_wants_none():
     """Pulled along y, an isotropic sheet says nothing of fibres along x."""
     data, _, _ = sheet(5, square, make_load("uniaxial_y", [1.1, 1.2]))
     problem = FieldProblem(data, Constrained(terms=["I1_squared", "fibre"]))
-    params, centre = _first_field(problem, None)
+    params, centre, _ = _first_field(problem, None)
     fibre = [problem.basis.names.index(name) for name in FIBRE_VECTOR]
     assert np.linalg.norm(params[:, fibre], axis=1) == pytest.approx(0.01)
     assert np.all(centre[:, fibre] == 0.0)
@@ -122,7 +125,7 @@ def test_a_descent_begins_where_another_ended_even_where_no_fibres_were_found_in
     problem = FieldProblem(data, Constrained(terms=["I1_squared", "fibre"]))
     found = np.random.default_rng(6).normal(size=_first_field(problem, None)[0].shape)
     found[0, [problem.basis.names.index(name) for name in FIBRE_VECTOR]] = 0.0
-    params, _ = _first_field(problem, SimpleNamespace(problem=problem, params=found))
+    params, _, _ = _first_field(problem, SimpleNamespace(problem=problem, params=found, states=[]))
     np.testing.assert_allclose(params, found, atol=1e-12)
 
 
@@ -152,3 +155,57 @@ def test_a_descent_that_noise_holds_up_is_shaken_into_a_better_field_and_a_clean
     found = identify(data, settings, "square")
     once = descend(found.problem, settings, "square", None, None, settings.tolerance)
     assert np.array_equal(found.history, once.history)
+
+
+def seen_coarsely(cells, inclusion, load, window):
+    """(measurement of every second node through a window, the share of the inclusion in every measured cell)."""
+    data, mesh, _ = sheet(2 * cells, inclusion, load, window=window, terms=())
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    grid = rectilinear(lines, lines)
+    u = data["u_measured"].values[0]
+    seen = (window_average(mesh, window) @ u.reshape(len(u), -1).T).T.reshape(u.shape)
+    every_second = (2 * np.arange(cells + 1)[:, None] * (2 * cells + 1) + 2 * np.arange(cells + 1)).ravel()
+    data = data.drop_vars(["X", "cells", "u_measured"]).assign(
+        X=(("node", "i"), grid.nodes),
+        cells=(("cell", "vertex"), grid.cells),
+        u_measured=(("repeat", "load_step", "node", "i"), seen[None, :, every_second]),
+    )
+    inside = inclusion(mesh.centres).reshape(cells, 2, cells, 2).mean(axis=(1, 3)).ravel()
+    return data, inside
+
+
+def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough():
+    """Where half a cell is stiff, the undivided one is neither; its parts are."""
+
+    def shifted(X):
+        return (np.abs(X - (0.5, 0.45)) < (0.2, 0.3)).all(axis=1)
+
+    load, settings = make_load("equibiaxial", [1.1, 1.2]), Constrained(terms=[], iterations=20)
+    data, share = seen_coarsely(10, shifted, load, window=0.1)
+    cut = (share > 0.0) & (share < 1.0)
+    assert cut.any()
+    found = identify(data, settings, "shifted")
+    parts = found.problem.refinement.parts
+    assert parts.shape == (100, 4) and found.states[0].u.shape == (21**2, 2)
+
+    def error(level):
+        """Of the mean stiffness of cells that the interface cuts."""
+        stiffness = np.exp(level)
+        return np.abs(stiffness / np.median(stiffness[share == 0.0]) - (1.0 + share))[cut].mean()
+
+    undivided = descend(FieldProblem(data, settings), settings, "shifted", None, None, settings.tolerance)
+    assert error(np.log(np.exp(found.params[:, 0][parts]).mean(axis=1))) < 0.85 * error(undivided.params[:, 0])
+    noisy = identify(data.assign_attrs(displacement_noise=1e-2), settings, "shifted")
+    assert not noisy.problem.divided, "what noise hides is not looked for"
+
+
+def test_a_cell_is_the_mean_of_its_parts_compiled_or_not():
+    """The mean along a middle axis, as a compiler fused it with the stress, was wrong at just this size."""
+    basis, rng = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE), np.random.default_rng(0)
+    F = (np.eye(2)[:, :, None, None] + 0.1 * rng.normal(size=(2, 2, 16, 2500))).astype(np.float32)
+    params = (basis.start[:, None, None] + 0.1 * rng.normal(size=(6, 4, 2500))).astype(np.float32)
+    mean = mean_of_parts(basis.stress)
+    each = np.stack([basis.stress(F[:, :, case], params[:, k]) for case in range(16) for k in range(4)])
+    wanted = np.moveaxis(each.reshape(16, 4, 2, 2, 2500).mean(axis=1), 0, 2)
+    np.testing.assert_allclose(mean(F, params), wanted, atol=1e-4)
+    np.testing.assert_allclose(jax.jit(mean)(F, params), wanted, atol=1e-4)

@@ -19,7 +19,7 @@ def level_alone(params):
 def test_jumps_cost_length_times_size_and_large_ones_stop_costing_more():
     lines = np.linspace(0.0, 1.0, 9)
     mesh = rectilinear(lines, lines)
-    jumps = Jumps(mesh, ("log_level",), level_alone)
+    jumps = Jumps(mesh, ("log_level",), np.sqrt(mesh.areas[0]), level_alone)
 
     def cost(height):
         return jumps.value(height * (mesh.centres[:, :1] > 0.5)) - jumps.value(np.zeros((len(mesh.cells), 1)))
@@ -41,7 +41,7 @@ def test_a_jump_of_the_stiffness_costs_no_less_when_terms_share_it():
     terms = ("I1_squared", "I2")
     data, mesh, _ = sheet(8, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
     problem = FieldProblem(data, Constrained(terms=list(terms)))
-    jumps = Jumps(mesh, problem.basis.names, problem.stiffness)
+    jumps = Jumps(mesh, problem.basis.names, np.sqrt(mesh.areas[0]), problem.stiffness)
     jumps.scale = 0.05
     inside, level, I2 = square(mesh.centres), *(problem.basis.names.index(key) for key in ("log_level", "log1p_I2"))
     alone, shared = (np.tile(problem.basis.start, (len(mesh.cells), 1)) for _ in range(2))
@@ -59,7 +59,7 @@ def test_the_gradient_of_jumps_is_their_derivative_where_terms_make_up_the_stiff
     terms = ("I1_squared", "I2", "fibre")
     data, mesh, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]))
     problem = FieldProblem(data, Constrained(terms=list(terms)))
-    jumps = Jumps(mesh, problem.basis.names, problem.stiffness)
+    jumps = Jumps(mesh, problem.basis.names, np.sqrt(mesh.areas[0]), problem.stiffness)
     rng = np.random.default_rng(5)
     params = problem.homogeneous + rng.normal(0.0, 0.2, (len(mesh.cells), len(problem.basis.names)))
     change, h = rng.normal(size=params.shape), 1e-6
@@ -72,7 +72,7 @@ def test_the_gradient_of_jumps_is_their_derivative_where_terms_make_up_the_stiff
 def test_an_isotropic_contour_costs_its_length_along_the_grid_and_across_it():
     lines = np.linspace(0.0, 1.0, 41)
     mesh = rectilinear(lines, lines)
-    jumps = Jumps(mesh, ("log_level",), level_alone)
+    jumps = Jumps(mesh, ("log_level",), np.sqrt(mesh.areas[0]), level_alone)
     X, flat = mesh.centres, jumps.value(np.zeros((len(mesh.cells), 1)))
 
     def costs():

@@ -1,8 +1,9 @@
 """Rectilinear meshes of bilinear quadrilaterals, with cells left out where there is no material."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy.sparse
 from jaxtyping import Bool, Float, Int
 
 #: Edge name -> (axis of the outward normal, its sign).
@@ -45,6 +46,17 @@ class Mesh:
         corner = self.nodes[self.cells]
         d1, d2 = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
         return 0.5 * (d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0])
+
+    @property
+    def lines(self) -> tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]]:
+        """Coordinates of the grid lines."""
+        return np.unique(self.nodes[:, 0]), np.unique(self.nodes[:, 1])
+
+    @property
+    def places(self) -> Int[np.ndarray, " node"]:
+        """Number of every node among all crossings of the grid lines, x fastest."""
+        x, y = self.lines
+        return np.searchsorted(y, self.nodes[:, 1]) * len(x) + np.searchsorted(x, self.nodes[:, 0])
 
     def on_edge(self, edge: str) -> Bool[np.ndarray, " node"]:
         """Which nodes lie on an edge of the bounding rectangle."""
@@ -103,3 +115,43 @@ def rectilinear(x: Float[np.ndarray, " nx"], y: Float[np.ndarray, " ny"], keep=N
         nodes, cells = nodes[used], renumber[cells]
     lower, upper = np.array([x[0], y[0]], dtype=float), np.array([x[-1], y[-1]], dtype=float)
     return Mesh(nodes, cells, lower, upper)
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A mesh whose cells are divided into equal parts.
+
+    Attributes:
+        mesh: of the parts.
+        parts: number of the cell of each row and column of parts, row by row (cell, part).
+        nodes: number of each node of the coarse mesh (coarse node,).
+        interpolation: bilinear, from nodal values of the coarse mesh (node, coarse node).
+    """
+
+    mesh: Mesh
+    parts: Int[np.ndarray, "cell part"]
+    nodes: Int[np.ndarray, " node"]
+    interpolation: scipy.sparse.csr_matrix
+
+
+def refine(mesh: Mesh, parts: int) -> Refinement:
+    """Divide every cell into ``parts`` times ``parts``."""
+    coarse = mesh.lines
+    lines = [np.interp(np.arange(parts * (len(x) - 1) + 1) / parts, np.arange(len(x)), x) for x in coarse]
+    # A cell is where its lower left node is; grid lines have one interval less than nodes.
+    row, column = np.divmod(mesh.places[mesh.cells[:, 0]], len(coarse[0]))
+    cell = np.full([len(x) - 1 for x in coarse[::-1]], -1)
+    cell[row, column] = np.arange(len(mesh.cells))
+    parent = cell.repeat(parts, axis=0).repeat(parts, axis=1)
+    fine = replace(rectilinear(*lines, parent >= 0), lower=mesh.lower, upper=mesh.upper)
+    children = np.argsort(parent[parent >= 0], kind="stable").reshape(len(mesh.cells), -1)
+    along = [
+        scipy.sparse.csr_matrix(np.stack([np.interp(x, old, one) for one in np.eye(len(old))], axis=1))
+        for x, old in zip(lines, coarse, strict=True)
+    ]
+    every = scipy.sparse.kron(along[1], along[0], format="csr")
+    interpolation = every[fine.places][:, mesh.places]
+    number = np.full(len(lines[0]) * len(lines[1]), -1)
+    number[fine.places] = np.arange(len(fine.nodes))
+    crossing = parts * (np.arange(len(coarse[1]))[:, None] * len(lines[0]) + np.arange(len(coarse[0])))
+    return Refinement(fine, children, number[crossing.ravel()[mesh.places]], interpolation)

@@ -123,14 +123,14 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
             moduli = np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F))
         else:
             moduli, found["smoothness_weight"] = equilibrium_gap_moduli(mesh, loading, F, method.seed)
-        basis, params = NEO_HOOKEAN, np.log(moduli)[None]
+        basis, params = NEO_HOOKEAN, np.log(moduli)[None, None]
     write(
         output,
         {
             "X": mesh.nodes,
             "cells": mesh.cells,
             "corners": np.stack([mesh.lower, mesh.upper]),
-            **{f"basis.{key}": (("cell",), params[index]) for index, key in enumerate(basis.names)},
+            **{f"basis.{key}": (("part", "cell"), params[index]) for index, key in enumerate(basis.names)},
         },
         f"baseline material of {name}",
         {

@@ -7,7 +7,8 @@ Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly mat
 
 The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
 valleys that all coefficients together make. From there the other terms are released. Where noise makes
-many minima, what was found is shaken out of its own to see whether there is a better one.
+many minima, what was found is shaken out of its own to see whether there is a better one. Where interfaces lie
+anywhere and noise does not hide them, cells are then divided.
 """
 
 import dataclasses
@@ -28,6 +29,9 @@ NOTHING_LEFT = 0.02
 #: What jumps cost for a few iterations, to leave one of the many minima that noise makes: factors of the weight and of
 #: the size above which jumps stop costing more, and how many iterations.
 SHAKES = ((0.2, 1.0, 6), (1.0, 10.0, 4))
+#: Into how many rows and columns of parts cells are divided; how many parts a sheet may have, for memory; and for how
+#: many iterations it pays.
+PARTS, MOST_PARTS, PARTS_ITERATIONS = 2, 16000, 12
 #: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than
 #: ``PLAIN_TOLERANCE`` in one iteration.
 PLAIN_PLATEAU, PLAIN_TOLERANCE = Plateau(0.2, 3), 3e-3
@@ -41,7 +45,8 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
     Where the terms leave doubt, all at once are released from the homogeneous sheet, since a stiffness that had to
     stand for other terms may mislead; where the test is still not explained, the further terms as well, which would
-    only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and shaken.
+    only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and shaken
+    or divided.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -65,13 +70,14 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     else:
         plain = with_terms(first, None, PLAIN_PLATEAU, PLAIN_TOLERANCE)
         if plain.data_share < NOTHING_LEFT:
-            return plain
+            return _divided(plain, measurement, settings, name)
         tried = [with_terms(settings.terms, plain, further)]
         if tried[0].doubtful:
             tried.append(with_terms(settings.terms, None, further))
     if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
         tried.append(with_terms([*settings.terms, *settings.further_terms], plain, None))
     found = _shaken(min(tried, key=lambda each: each.cost), settings, name)
+    found = _divided(found, measurement, settings, name)
     if found.history[-1] > UNEXPLAINED:
         print(
             f"warning: constrained field of {name}: displacements are missed by {found.history[-1]:.1f} times their "
@@ -102,6 +108,21 @@ def _shaken(found: Found, settings: Constrained, name: str) -> Found:
     return found
 
 
+def _divided(found: Found, measurement, settings: Constrained, name: str) -> Found:
+    """The field with cells divided into parts, where interfaces lie anywhere and the data can tell where.
+
+    A cell that an interface cuts is no material: neither does it deform as a mixture would, nor is it one. Parts
+    of it are both more nearly, and what is left of the misfit tells how much of the cell is which.
+    """
+    parts = PARTS**2 * len(found.params)
+    if not found.problem.blurred or found.unexplained > 1.0 or parts > MOST_PARTS:
+        return found
+    terms, iterations = list(found.problem.basis.terms), min(PARTS_ITERATIONS, settings.iterations)
+    settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
+    finer = descend(FieldProblem(measurement, settings, PARTS), settings, name, found, None, settings.tolerance)
+    return dataclasses.replace(finer, history=np.concatenate([found.history, finer.history]))
+
+
 def run(settings: Constrained, name: str, measurement_file: str, output: str, attributes: dict) -> None:
     """Identify the field of basis coefficients and write its equilibrium states.
 
@@ -114,14 +135,18 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     measurement = read(measurement_file)
     found = identify(measurement, settings, name)
     problem, params, states, history = found.problem, found.params, found.states, found.history
-    u = np.stack([state.u for state in states])
+    refinement = problem.refinement
+    u = np.stack([state.u[refinement.nodes] for state in states])
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "test", "stretch")}
     variables |= {"u": u, "loss": history, "loss_iteration": np.arange(len(history))}
-    variables |= {f"basis.{key}": (("cell",), params[:, index]) for index, key in enumerate(problem.basis.names)}
+    parts = params.T[:, refinement.parts.T]
+    variables |= {f"basis.{key}": (("part", "cell"), parts[k]) for k, key in enumerate(problem.basis.names)}
     # Without noise there is nothing that a test cannot tell apart by chance.
     if settings.draws and problem.noisy:
         draws = found.objective.draws(params, settings.draws, settings.seed)
-        variables |= {f"draw.{key}": (("draw", "cell"), draws[..., k]) for k, key in enumerate(problem.basis.names)}
+        draws = np.moveaxis(draws, -1, 0)[..., refinement.parts.T]
+        dims = ("draw", "part", "cell")
+        variables |= {f"draw.{key}": (dims, draws[k]) for k, key in enumerate(problem.basis.names)}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(

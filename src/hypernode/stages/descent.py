@@ -101,7 +101,7 @@ class Found:
 
 
 def _first_field(problem: FieldProblem, before: Found | None):
-    """(parameters by cell, where the ridge pulls them) of a descent that follows another, if there was one before.
+    """(parameters by cell, where the ridge pulls them, guesses of the states) of a descent, which may follow another.
 
     Fibres that no force tells of have no gradient at zero, so they begin a little above; but none is what the
     ridge prefers, so that they vanish where the data say nothing of them.
@@ -113,17 +113,21 @@ def _first_field(problem: FieldProblem, before: Found | None):
     centre[:, fibre] = 0.0
     if fibre and np.linalg.norm(problem.homogeneous[fibre]) < SMALLEST_FIBRE:
         params[:, fibre] = SMALLEST_FIBRE, 0.0
+    if before is None:
+        return params, centre, problem.extension(params)
     # Other terms of the homogeneous fit are stiffness too; only the differences between cells are kept.
-    if before is not None:
-        known = [names.index(name) for name in before.problem.basis.names]
-        params[:, known] = problem.homogeneous[known] + (before.params - before.problem.homogeneous)
-    return params, centre
+    known = [names.index(name) for name in before.problem.basis.names]
+    found, u = before.params, [state.u for state in before.states]
+    if problem.divided and not before.problem.divided:
+        found, u = problem.inherited(found, u)
+    params[:, known] = problem.homogeneous[known] + (found - before.problem.homogeneous)
+    return params, centre, u
 
 
 def _objective(problem: FieldProblem, settings: Constrained, centre) -> Objective:
     """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
     ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, RIDGE**2), len(centre))
-    jumps = Jumps(problem.mesh, problem.basis.names, problem.stiffness)
+    jumps = Jumps(problem.mesh, problem.basis.names, np.sqrt(problem.grid.areas.mean()), problem.stiffness)
     return Objective(problem, jumps, settings.jump_weight, ridge, centre.ravel())
 
 
@@ -141,7 +145,8 @@ def descend(
     iterations, far from the solution, are not ruled by the last digit.
 
     Args:
-        before: what a descent found with these terms or fewer, to begin from; the homogeneous sheet without it.
+        before: what a descent found with these terms or fewer, of these cells or of those that they divide, to begin
+            from; the homogeneous sheet without it.
         plateau: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
@@ -149,8 +154,7 @@ def descend(
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
     """
-    params, centre = _first_field(problem, before)
-    guesses = problem.extension(params) if before is None else [state.u for state in before.states]
+    params, centre, guesses = _first_field(problem, before)
     states = problem.states(params, guesses)
     if states is None:
         raise IdentificationError(

@@ -19,6 +19,7 @@ from scipy.optimize import least_squares
 from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.mechanics.mesh import refine
 from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
 from hypernode.stages.fields import Loading, deformation_gradient, displacement_noise, mesh_of, stress_resultants
 from hypernode.stages.held_edges import held_displacement
@@ -26,8 +27,8 @@ from hypernode.stages.observation import window_average
 
 #: Displacements are never trusted beyond this share of the largest one, noise apart: what finite elements on the
 #: measured grid make of a field that was computed on that same grid, and of one that was seen through a
-#: correlation window, whose interfaces lie anywhere.
-SAME_GRID_FLOOR, WINDOW_FLOOR = 3.8e-5, 1.3e-3
+#: correlation window, whose interfaces lie anywhere; the latter on cells divided into parts.
+SAME_GRID_FLOOR, WINDOW_FLOOR, PARTS_FLOOR = 3.8e-5, 1.3e-3, 2e-4
 #: Misfit of the best homogeneous material of one test beyond which the basis cannot describe the forces (a
 #: record with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it,
 #: as it does what several tests together leave: each would have a homogeneous material of its own.
@@ -35,6 +36,8 @@ DESCRIPTION_ERROR = 0.015
 #: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
 STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
 NEWTON_TOLERANCE = 1e-6
+#: Of weights that sum to one.
+ROUNDING = 1e-9
 
 
 @dataclasses.dataclass
@@ -62,17 +65,22 @@ class FieldProblem:
     Args:
         measurement: an opened measurement file.
         settings: configuration of the stage.
+        parts: into how many times as many the measured cells are divided, each a material of its own.
     """
 
-    def __init__(self, measurement, settings: Constrained):
-        self.mesh, self.loading = mesh_of(measurement), Loading.of(measurement)
+    def __init__(self, measurement, settings: Constrained, parts: int = 1):
+        self.grid, self.loading = mesh_of(measurement), Loading.of(measurement)
+        self.refinement = refine(self.grid, parts)
+        self.mesh, self.divided = self.refinement.mesh, parts > 1
         self.u = measurement["u_measured"].values.mean(axis=0)
         noise = displacement_noise(measurement)
         window = float(measurement.attrs["correlation_window"])
-        floor = (WINDOW_FLOOR if window > 0.0 else SAME_GRID_FLOOR) * np.abs(self.u).max()
+        floor = (PARTS_FLOOR if self.divided else WINDOW_FLOOR) if window > 0.0 else SAME_GRID_FLOOR
+        floor *= np.abs(self.u).max()
         self.sigma, self.noisy = float(np.hypot(noise, floor)), noise >= floor
-        # Where interfaces lie anywhere, cells that they cut are something in between.
+        # Where interfaces lie anywhere, cells that they cut are something in between; noise may hide of what.
         self.sharp = self.noisy and window == 0.0
+        self.blurred = not self.noisy and window > 0.0
         stretch = float(measurement["stretch"].values.max())
         self.basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
         cells = len(self.mesh.cells)
@@ -82,10 +90,11 @@ class FieldProblem:
             {"params": np.tile(self.basis.start, (cells, 1))},
         )
         self._hold(measurement, noise)
-        observe = window_average(self.mesh, window)
-        self.observe = [observe[free] for free in self.free]
-        area = self.mesh.areas / self.mesh.areas.sum()
-        self._mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.mesh, self.u), area))
+        measured = 2 * self.refinement.nodes[:, None] + np.arange(2)
+        observe = window_average(self.mesh, window)[measured.ravel()]
+        self.observe = [observe[seen] for seen in self.seen]
+        area = self.grid.areas / self.grid.areas.sum()
+        self._mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area))
         self.homogeneous, self.force_misfit = self._homogeneous()
         described = self.force_misfit <= DESCRIPTION_ERROR
         relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
@@ -102,10 +111,10 @@ class FieldProblem:
     @property
     def cost_of_noise(self) -> float:
         """Half the number of measured displacements: what noise of the assumed size costs at the true field."""
-        return 0.5 * sum(len(free) for free in self.free)
+        return 0.5 * sum(len(seen) for seen in self.seen)
 
     def _hold(self, measurement, noise: float) -> None:
-        """Prescribed and free degrees of freedom of every step, and how wrong the prescribed ones may be.
+        """Prescribed, free and seen degrees of freedom of every step, and how wrong the prescribed ones may be.
 
         Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
         displacement holds it all round, and no traction there is assumed to vanish.
@@ -113,13 +122,20 @@ class FieldProblem:
         held = measurement["edge_constrained"].values > 0
         if measurement.attrs["outline"] == "cut":
             held = np.ones_like(held)
-        found = [held_displacement(self.mesh, u, h, noise) for u, h in zip(self.u, held, strict=True)]
-        self.values, self.masks = [edges.values for edges in found], [edges.mask for edges in found]
-        self.edge_errors = [edges.errors for edges in found]
-        self.fixed, self.free = [], []
-        for mask in self.masks:
+        found = [held_displacement(self.grid, u, h, noise) for u, h in zip(self.u, held, strict=True)]
+        between = self.refinement.interpolation
+        self.values = [between @ edges.values for edges in found]
+        both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
+        self.edge_errors = [both @ edges.errors for edges in found]
+        self.masks, self.fixed, self.free, self.seen = [], [], [], []
+        for edges in found:
+            mask = edges.mask
             for i in np.flatnonzero(~mask.any(axis=0)):
-                mask[np.argmin(np.abs(self.mesh.nodes - self.mesh.lower).sum(axis=1)), i] = True
+                mask[np.argmin(np.abs(self.grid.nodes - self.grid.lower).sum(axis=1)), i] = True
+            self.seen.append(np.flatnonzero(~mask.ravel()))
+            # A node between two that are held is held as well.
+            mask = between @ mask > 1.0 - ROUNDING
+            self.masks.append(mask)
             self.fixed.append(np.flatnonzero(mask.ravel()))
             self.free.append(np.flatnonzero(~mask.ravel()))
 
@@ -178,7 +194,7 @@ class FieldProblem:
                 for edge in edges:
                     e = EDGE_NAMES.index(edge)
                     if constrained[step, e, i] and np.isfinite(force[step, e, i]):
-                        direction = np.zeros(self.u[step].shape)
+                        direction = np.zeros(self.mesh.nodes.shape)
                         direction[self.mesh.on_edge(edge), i] = 1.0
                         sigma = relative[step] * max(abs(force[step, e, i]), 0.1 * largest[step])
                         self.forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
@@ -222,10 +238,16 @@ class FieldProblem:
             found.append(State(reached.u, reached.force, free))
         return found
 
+    def inherited(self, params: Float[np.ndarray, "cell parameter"], u: list[np.ndarray]):
+        """(parameters, displacements of every step) of the measured cells, on the mesh of their parts."""
+        inherited = np.empty((len(self.mesh.cells), params.shape[1]))
+        inherited[self.refinement.parts] = params[:, None]
+        return inherited, [self.refinement.interpolation @ each for each in u]
+
     def extension(self, params) -> list[np.ndarray]:
         """First guesses: the held displacements continued into the sheet by linear elasticity."""
         self.solver.set_parameters({"params": params})
-        _, K = self.solver.tangent(np.zeros_like(self.u[0]))
+        _, K = self.solver.tangent(np.zeros_like(self.mesh.nodes))
         guesses = []
         for mask, values, free in zip(self.masks, self.values, self.free, strict=True):
             u = np.where(mask, values, 0.0).ravel()
@@ -235,13 +257,14 @@ class FieldProblem:
 
     def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
         """(misfit of the seen displacement of the free nodes by step, misfit of forces over their uncertainty)."""
-        u = [W @ s.u.ravel() - data.ravel()[s.free] for W, s, data in zip(self.observe, states, self.u, strict=True)]
+        each = zip(self.observe, states, self.u, self.seen, strict=True)
+        u = [W @ state.u.ravel() - data.ravel()[seen] for W, state, data, seen in each]
         f = [(f.direction @ states[f.step].force - f.value) / f.sigma for f in self.forces]
         return u, np.array(f)
 
     def linearise(self, params, states: list[State], sigma: float) -> "Linearised":
         """Derivative of the residuals with respect to the parameters, by implicit differentiation."""
-        shape = (self.u[0].size, params.size)
+        shape = (self.mesh.nodes.size, params.size)
         self.solver.set_parameters({"params": params})
         tangents, B = [], []
         for state in states:

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config import Frequencies, Method
-from hypernode.material import basis_field, node_stress
+from hypernode.material import basis_field, mean_of_parts, node_stress
 from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.mesh import Mesh
 from hypernode.networks.node_material import NodeMaterial
@@ -141,7 +141,7 @@ class InverseProblem:
         modes = jnp.asarray(np.moveaxis(modes, 0, -1)[..., None], jnp.float32)
         cells = self.F.shape[-1]
         F = jnp.concatenate([self.F, jnp.broadcast_to(modes, (*modes.shape[:3], cells))], axis=2)
-        P = jax.jit(basis.stress)(F, jnp.asarray(params, jnp.float32)[:, None])
+        P = jax.jit(mean_of_parts(basis.stress))(F, jnp.asarray(params, jnp.float32))
         sizes = jnp.sqrt(jnp.mean(jnp.sum(P[:, :, len(self.scale) :] ** 2, axis=(0, 1)), axis=-1))
         scale = jnp.concatenate([self.scale, sizes])
         return Target(F, P / scale[:, None], jnp.ones((2, 2, 1, 1)), scale)

@@ -35,15 +35,15 @@ class Jumps:
 
     Args:
         names: of the parameters, the level of the stiffness first.
+        unit: length that counts as one.
         stiffness: takes parameters (cell, parameter) to (logarithm of the stress (cell,), its derivative), which takes
             the place of the level: what a jump of stiffness costs must not depend on the terms that make it, or it is
             divided among them.
     """
 
-    def __init__(self, mesh: Mesh, names, stiffness: Callable):
+    def __init__(self, mesh: Mesh, names, unit: float, stiffness: Callable):
         sides, length, _ = mesh.neighbours()
         corners, across = mesh.diagonal_neighbours()
-        unit = np.sqrt(mesh.areas.mean())
         isotropic = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / unit
         cells = len(mesh.cells)
         # By whether the sum is isotropic.

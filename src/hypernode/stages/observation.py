@@ -36,9 +36,9 @@ def window_average(mesh: Mesh, width: float) -> scipy.sparse.csr_matrix:
     """
     if width == 0.0:
         return scipy.sparse.identity(mesh.nodes.size, format="csr")
-    x, y = (np.unique(mesh.nodes[:, i]) for i in range(2))
+    x, y = mesh.lines
     whole = scipy.sparse.kron(line_average(y, width), line_average(x, width), format="csr")
-    place = np.searchsorted(y, mesh.nodes[:, 1]) * len(x) + np.searchsorted(x, mesh.nodes[:, 0])
+    place = mesh.places
     present = np.zeros(whole.shape[0])
     present[place] = 1.0
     complete = np.asarray((whole @ (1.0 - present)) == 0.0)[place]
