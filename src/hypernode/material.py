@@ -117,7 +117,7 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
 
 def mean_of_parts(law):
     """Stress or energy of cells as the mean of their parts, whose parameters are (parameter, part, point)."""
-    # One after the other: the mean along a middle axis comes out wrong of XLA's compiler for CPUs at some sizes.
+    # One after the other: the compiler gets a mean along a middle axis wrong at some sizes (docs/decisions/0020).
     return lambda F, params: sum(law(F, params[:, k]) for k in range(params.shape[1])) / params.shape[1]
 
 

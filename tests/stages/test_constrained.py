@@ -4,7 +4,6 @@ import dataclasses
 import json
 from types import SimpleNamespace
 
-import jax
 import numpy as np
 import pytest
 import scipy.linalg
@@ -12,7 +11,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from hypernode.config import Constrained, Node
-from hypernode.material import drawn_material, mean_of_parts
+from hypernode.material import drawn_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
 from hypernode.mechanics.mesh import rectilinear
@@ -197,15 +196,3 @@ def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough
     assert error(np.log(np.exp(found.params[:, 0][parts]).mean(axis=1))) < 0.85 * error(undivided.params[:, 0])
     noisy = identify(data.assign_attrs(displacement_noise=1e-2), settings, "shifted")
     assert not noisy.problem.divided, "what noise hides is not looked for"
-
-
-def test_a_cell_is_the_mean_of_its_parts_compiled_or_not():
-    """The mean along a middle axis, as a compiler fused it with the stress, was wrong at just this size."""
-    basis, rng = ConvexBasis(("I1_squared", "I2", "fibre"), SCALE), np.random.default_rng(0)
-    F = (np.eye(2)[:, :, None, None] + 0.1 * rng.normal(size=(2, 2, 16, 2500))).astype(np.float32)
-    params = (basis.start[:, None, None] + 0.1 * rng.normal(size=(6, 4, 2500))).astype(np.float32)
-    mean = mean_of_parts(basis.stress)
-    each = np.stack([basis.stress(F[:, :, case], params[:, k]) for case in range(16) for k in range(4)])
-    wanted = np.moveaxis(each.reshape(16, 4, 2, 2, 2500).mean(axis=1), 0, 2)
-    np.testing.assert_allclose(mean(F, params), wanted, atol=1e-4)
-    np.testing.assert_allclose(jax.jit(mean)(F, params), wanted, atol=1e-4)
