@@ -115,6 +115,14 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
     return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
 
 
+def basis_content(
+    basis: ConvexBasis, params: Float[np.ndarray, "parameter part cell"]
+) -> tuple[dict[str, tuple], dict[str, str]]:
+    """(variables, attributes) of a file from which :func:`basis_field` reads the same again."""
+    variables = {f"basis.{name}": (("part", "cell"), values) for name, values in zip(basis.names, params, strict=True)}
+    return variables, {"material_kind": "convex_basis", "basis": json.dumps(dataclasses.asdict(basis))}
+
+
 def mean_of_parts(law):
     """Stress or energy of cells as the mean of their parts, whose parameters are (parameter, part, point)."""
     # One after the other: the compiler gets a mean along a middle axis wrong at some sizes (docs/decisions/0020).
@@ -139,6 +147,7 @@ def drawn_material(file: xr.Dataset) -> Material | None:
     )
 
     def linear(law):
+        """Of the best field, and its first-order change."""
         of_cells = mean_of_parts(law)
 
         def extended(F, params):

@@ -123,9 +123,9 @@ class Refinement:
 
     Attributes:
         mesh: of the parts.
-        parts: number of the cell of each row and column of parts, row by row (cell, part).
-        nodes: number of each node of the coarse mesh (coarse node,).
-        interpolation: bilinear, from nodal values of the coarse mesh (node, coarse node).
+        parts: their numbers by divided cell, row by row (cell, part).
+        nodes: numbers of the divided mesh's own nodes (own node,).
+        interpolation: bilinear, from values at those (node, own node).
     """
 
     mesh: Mesh
@@ -136,12 +136,12 @@ class Refinement:
 
 def refine(mesh: Mesh, parts: int) -> Refinement:
     """Divide every cell into ``parts`` times ``parts``."""
-    coarse = mesh.lines
+    coarse, place = mesh.lines, mesh.places
     lines = [np.interp(np.arange(parts * (len(x) - 1) + 1) / parts, np.arange(len(x)), x) for x in coarse]
+    row, column = np.divmod(place, len(coarse[0]))
     # A cell is where its lower left node is; grid lines have one interval less than nodes.
-    row, column = np.divmod(mesh.places[mesh.cells[:, 0]], len(coarse[0]))
     cell = np.full([len(x) - 1 for x in coarse[::-1]], -1)
-    cell[row, column] = np.arange(len(mesh.cells))
+    cell[row[mesh.cells[:, 0]], column[mesh.cells[:, 0]]] = np.arange(len(mesh.cells))
     parent = cell.repeat(parts, axis=0).repeat(parts, axis=1)
     fine = replace(rectilinear(*lines, parent >= 0), lower=mesh.lower, upper=mesh.upper)
     children = np.argsort(parent[parent >= 0], kind="stable").reshape(len(mesh.cells), -1)
@@ -149,9 +149,8 @@ def refine(mesh: Mesh, parts: int) -> Refinement:
         scipy.sparse.csr_matrix(np.stack([np.interp(x, old, one) for one in np.eye(len(old))], axis=1))
         for x, old in zip(lines, coarse, strict=True)
     ]
-    every = scipy.sparse.kron(along[1], along[0], format="csr")
-    interpolation = every[fine.places][:, mesh.places]
+    fine_place = fine.places
+    interpolation = scipy.sparse.kron(along[1], along[0], format="csr")[fine_place][:, place]
     number = np.full(len(lines[0]) * len(lines[1]), -1)
-    number[fine.places] = np.arange(len(fine.nodes))
-    crossing = parts * (np.arange(len(coarse[1]))[:, None] * len(lines[0]) + np.arange(len(coarse[0])))
-    return Refinement(fine, children, number[crossing.ravel()[mesh.places]], interpolation)
+    number[fine_place] = np.arange(len(fine.nodes))
+    return Refinement(fine, children, number[parts * (row * len(lines[0]) + column)], interpolation)

@@ -4,9 +4,6 @@ One modulus for the whole sheet; a neo-Hookean modulus in every cell from the eq
 deformation (a virtual-fields method with one hat function a node); or the constrained field as it is.
 """
 
-import dataclasses
-import json
-
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
@@ -14,7 +11,7 @@ import scipy.sparse.linalg
 
 from hypernode.config import Method
 from hypernode.errors import ExpectedError
-from hypernode.material import basis_field
+from hypernode.material import basis_content, basis_field
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
 from hypernode.mechanics.mesh import Mesh
@@ -124,21 +121,21 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
         else:
             moduli, found["smoothness_weight"] = equilibrium_gap_moduli(mesh, loading, F, method.seed)
         basis, params = NEO_HOOKEAN, np.log(moduli)[None, None]
+    content, kind = basis_content(basis, params)
     write(
         output,
         {
             "X": mesh.nodes,
             "cells": mesh.cells,
             "corners": np.stack([mesh.lower, mesh.upper]),
-            **{f"basis.{key}": (("part", "cell"), params[index]) for index, key in enumerate(basis.names)},
+            **content,
         },
         f"baseline material of {name}",
         {
             **attributes,
             **found,
             "units": units_of(measurement),
-            "material_kind": "convex_basis",
-            "basis": json.dumps(dataclasses.asdict(basis)),
+            **kind,
         },
         parents=list(files.values()),
     )

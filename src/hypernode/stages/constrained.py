@@ -13,12 +13,12 @@ anywhere and noise does not hide them, cells are then divided.
 
 import dataclasses
 import functools
-import json
 import sys
 
 import numpy as np
 
 from hypernode.config import Constrained
+from hypernode.material import basis_content
 from hypernode.stages.descent import UNEXPLAINED, Found, Plateau, descend, described
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.storage.netcdf import read, units_of, write
@@ -69,11 +69,11 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         tried = [plain]
     else:
         plain = with_terms(first, None, PLAIN_PLATEAU, PLAIN_TOLERANCE)
-        if plain.data_share < NOTHING_LEFT:
-            return _divided(plain, measurement, settings, name)
-        tried = [with_terms(settings.terms, plain, further)]
-        if tried[0].doubtful:
-            tried.append(with_terms(settings.terms, None, further))
+        tried = [plain]
+        if plain.data_share >= NOTHING_LEFT:
+            tried = [with_terms(settings.terms, plain, further)]
+            if tried[0].doubtful:
+                tried.append(with_terms(settings.terms, None, further))
     if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
         tried.append(with_terms([*settings.terms, *settings.further_terms], plain, None))
     found = _shaken(min(tried, key=lambda each: each.cost), settings, name)
@@ -139,8 +139,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     u = np.stack([state.u[refinement.nodes] for state in states])
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "test", "stretch")}
     variables |= {"u": u, "loss": history, "loss_iteration": np.arange(len(history))}
-    parts = params.T[:, refinement.parts.T]
-    variables |= {f"basis.{key}": (("part", "cell"), parts[k]) for k, key in enumerate(problem.basis.names)}
+    content, kind = basis_content(problem.basis, params.T[:, refinement.parts.T])
+    variables |= content
     # Without noise there is nothing that a test cannot tell apart by chance.
     if settings.draws and problem.noisy:
         draws = found.objective.draws(params, settings.draws, settings.seed)
@@ -156,8 +156,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         {
             **attributes,
             "units": units_of(measurement),
-            "material_kind": "convex_basis",
-            "basis": json.dumps(dataclasses.asdict(problem.basis)),
+            **kind,
             "displacement_sigma": problem.sigma,
             "displacement_misfit": float(history[-1]),
             "force_misfit": found.force_misfit,

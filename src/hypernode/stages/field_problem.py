@@ -65,7 +65,7 @@ class FieldProblem:
     Args:
         measurement: an opened measurement file.
         settings: configuration of the stage.
-        parts: into how many times as many the measured cells are divided, each a material of its own.
+        parts: rows and columns into which every measured cell is divided, each part a material of its own.
     """
 
     def __init__(self, measurement, settings: Constrained, parts: int = 1):

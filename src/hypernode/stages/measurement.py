@@ -23,7 +23,7 @@ def seen_by(camera: Camera, mesh: Mesh, u):
     Returns:
         (mesh of the measured grid, displacements on it).
     """
-    x, y = np.unique(mesh.nodes[:, 0]), np.unique(mesh.nodes[:, 1])
+    x, y = mesh.lines
     fine = [np.linspace(line[0], line[-1], FINE * n + 1) for line, n in zip((x, y), camera.cells, strict=True)]
     lines = [line[::FINE] for line in fine]
     widths = [max(1, round(camera.window / (line[1] - line[0]))) for line in fine]
