@@ -235,9 +235,9 @@ class Constrained(Section):
     kept, from ``seed``, where the displacements have noise: they say how uncertain it is.
     """
 
-    terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre"]
+    terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre", "stiffening"]
     further_terms: list[Literal[BASIS_TERMS]] = []
-    iterations: Count = 30
+    iterations: Count = 40
     jump_weight: Positive = 25.0
     jump_scale: Positive = 0.05
     force_noise: Positive = 6e-4
@@ -247,8 +247,12 @@ class Constrained(Section):
 
     @model_validator(mode="after")
     def _fibres_first(self):
-        if "across" in [*self.terms, *self.further_terms] and "fibre" not in self.terms:
+        every = {*self.terms, *self.further_terms}
+        if "across" in every and "fibre" not in self.terms:
             raise ValueError("the term across is a second family of fibres: add fibre to terms")
+        for term, of in (("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
+            if term in every and of not in self.terms:
+                raise ValueError(f"the term {term} says more of the term {of}: add {of} to terms")
         if "J" in self.further_terms or ("J" in self.terms and "I2" in [*self.terms, *self.further_terms]):
             raise ValueError("the term J belongs to terms, without I2: I2 needs the thickness, which J leaves open")
         return self

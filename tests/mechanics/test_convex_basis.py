@@ -34,6 +34,19 @@ def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
     np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
 
 
+@pytest.mark.parametrize("k2", [0.5, 20.0])
+def test_the_basis_contains_fibres_whose_stress_rises_exponentially(k2):
+    F = np.array([[1.15, 0.08], [-0.03, 1.1]])
+    basis, k1, angle, kappa = ConvexBasis(("fibre", "stiffening"), SCALE), 0.8, 0.4, 0.1
+    b, h = kappa / (1.0 - 2.0 * kappa), k2 * SCALE**2 * (1.0 - 2.0 * kappa) ** 2
+    strength = k1 * SCALE * (1.0 - 2.0 * kappa) ** 2 / 0.5 * np.exp(h / 2.0)
+    length = np.sqrt((strength + 0.02) ** 2 - 0.02**2)
+    fibre = length * np.array([np.cos(2 * angle), np.sin(2 * angle)])
+    params = np.array([np.log(0.5), *fibre, np.log(b / (1 - b)), np.log1p(h)])
+    wanted = stress_of(goh, F, {"C10": 0.5, "k1": k1, "k2": k2, "kappa": kappa}, angle)
+    np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=3e-3)
+
+
 def test_the_basis_contains_two_families_of_fibres():
     F, angle, k1 = np.array([[1.15, 0.08], [-0.03, 1.1]]), 0.4, 0.5
     basis, strength, share = ConvexBasis(("fibre", "across"), SCALE), 0.5 * SCALE / 0.5, 0.6

@@ -63,7 +63,7 @@ def test_draws_have_the_inverse_of_the_objectives_curvature_as_covariance():
     found = identify(data, Constrained(terms=[], iterations=8), "square")
     draws = found.objective.draws(found.params, 400, seed=3).reshape(400, -1)
     linear = found.objective.linear
-    curvature = linear.adjoint(linear.forward(np.eye(found.params.size)))
+    curvature = linear.curvature(np.eye(found.params.size))
     R, _, derivative = found.objective.jumps.roots(found.params)
     root = R @ scipy.linalg.block_diag(*derivative)
     curvature += found.objective.jump_weight * root.T @ root
@@ -105,6 +105,8 @@ def test_a_draw_changes_the_stress_to_first_order_so_that_parameters_that_trade_
 def test_a_second_family_needs_a_first():
     with pytest.raises(ValidationError, match="add fibre to terms"):
         Constrained(terms=["I2"], further_terms=["across"])
+    with pytest.raises(ValidationError, match="add I1_squared to terms"):
+        Constrained(terms=["fibre"], further_terms=["stiffening", "I1_stiffening"])
     assert Constrained(terms=["fibre"], further_terms=["across"]).further_terms == ["across"]
 
 

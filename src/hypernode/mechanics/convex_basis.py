@@ -10,6 +10,13 @@ fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It give
 their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
 or turn. The family across, N, comes with the share q of their strength and ends where they do.
 
+With the term stiffening the squares of the fibres' strains become exponentials, and with I1_stiffening that of
+I1 - 3, each with a positive h of its own,
+
+E^2 -> s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h,
+
+so that at E^2 = s^2 / 2 they are as stiff as without: strength and stiffening hardly trade places.
+
 With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
 alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
 
@@ -42,6 +49,8 @@ PARAMETERS = {
     "I2": {"log1p_I2": 0.08},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
     "across": {"log1p_across": 0.02},
+    "stiffening": {"log1p_stiffening": 0.08},
+    "I1_stiffening": {"log1p_I1_stiffening": 0.08},
     "J": {"log1p_J_area": 0.4, "log1p_J_volume": 0.4},
 }
 #: Parameters that together are the doubled-angle vector of the fibres.
@@ -92,12 +101,14 @@ class ConvexBasis:
             total = total - 2.0 * (I.J - 1.0) + _coefficient(p["log1p_J_area"]) * 2.0 * (I.J - 1.0 - jnp.log(I.J))
             total = total + _coefficient(p["log1p_J_volume"]) * (2.0 * I.J + 1.0 / I.J**2 - 3.0)
         if "I1_squared" in self.terms:
-            total = total + _coefficient(p["log1p_I1_squared"]) * e1**2 / (2.0 * self.invariant_scale)
+            square, _ = self._square(e1, p, "I1_stiffening")
+            total = total + _coefficient(p["log1p_I1_squared"]) * square / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             total = total + _coefficient(p["log1p_I2"]) * e2
         if "fibre" in self.terms:
             strength, _, families = self._fibre(F, e1, p)
-            total = total + strength * sum(share * E**2 for share, _, E in families) / (2.0 * self.invariant_scale)
+            squares = sum(share * self._square(E, p, "stiffening")[0] for share, _, E in families)
+            total = total + strength * squares / (2.0 * self.invariant_scale)
         return jnp.exp(p["log_level"]) * total
 
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
@@ -107,13 +118,14 @@ class ConvexBasis:
         e1 = self._isotropic(I)
         dI1, dI2, S = jnp.ones_like(e1), jnp.zeros_like(e1), (0.0, 0.0, 0.0)
         if "I1_squared" in self.terms:
-            dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * e1 / self.invariant_scale
+            _, slope = self._square(e1, p, "I1_stiffening")
+            dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * slope / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             dI2 = dI2 + _coefficient(p["log1p_I2"])
         if "fibre" in self.terms:
             strength, b, families = self._fibre(F, e1, p)
             for share, M, E in families:
-                slope = strength * share * E / self.invariant_scale
+                slope = strength * share * self._square(E, p, "stiffening")[1] / (2.0 * self.invariant_scale)
                 dI1 = dI1 + b * slope
                 S = tuple(known + 2.0 * (1.0 - b) * slope * component for known, component in zip(S, M, strict=True))
         dJ = 0.0
@@ -127,10 +139,21 @@ class ConvexBasis:
         """I1 - 3, or tr C - 2 where the sheet is compressible."""
         return in_plane_trace(I) - 2.0 if "J" in self.terms else I.I1 - 3.0
 
+    def _square(self, E, p, term):
+        """(square of a positive strain, or what a term of stiffening makes of it; its derivative)."""
+        # tr C - 2 of a sheet that is compressed is negative, where the square falls: it would not be polyconvex.
+        E = jnp.maximum(E, 0.0)
+        if term not in self.terms:
+            return E**2, 2.0 * E
+        h, relative = _coefficient(p[f"log1p_{term}"]), (E / self.invariant_scale) ** 2
+        unstretched = jnp.exp(-h / 2.0)
+        square = self.invariant_scale**2 * jnp.expm1(h * relative) * unstretched / h
+        return square, 2.0 * E * jnp.exp(h * relative) * unstretched
+
     def _fibre(self, F, e1, p):
         """(strength k, dispersion b, families); a family is its share, (M11, M22, M12) and its strain E.
 
-        Fibres carry no load in compression: E is no less than zero.
+        Fibres carry no load in compression: of E only positive values count.
         """
         z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
         C11, C22, C12 = right_cauchy_green(F)
@@ -142,5 +165,5 @@ class ConvexBasis:
             x, y = sign * p["fibre_x"] / z, sign * p["fibre_y"] / z
             M = 0.5 * (1.0 + x), 0.5 * (1.0 - x), 0.5 * y
             planar = M[0] * C11 + M[1] * C22 + 2.0 * M[2] * C12 - 1.0
-            families.append((share, M, jnp.maximum(b * e1 + (1.0 - b) * planar, 0.0)))
+            families.append((share, M, b * e1 + (1.0 - b) * planar))
         return z - ROUNDING, b, families

@@ -7,7 +7,6 @@ deformation (a virtual-fields method with one hat function a node); or the const
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
-import scipy.sparse.linalg
 
 from hypernode.config import Method
 from hypernode.errors import ExpectedError
@@ -15,6 +14,7 @@ from hypernode.material import basis_content, basis_field
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
 from hypernode.mechanics.mesh import Mesh
+from hypernode.mechanics.sparse_factors import factorise
 from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -91,7 +91,7 @@ def equilibrium_gap_moduli(mesh: Mesh, loading: Loading, F, seed: int):
     probes = np.random.default_rng(seed).choice([-1.0, 1.0], (PROBES, len(b)))
     best = (np.inf, None, None)
     for weight in SMOOTHNESS * normal.diagonal().mean():
-        factor = scipy.sparse.linalg.splu((normal + weight * smooth).tocsc(), permc_spec="MMD_AT_PLUS_A")
+        factor = factorise(normal + weight * smooth)
         moduli = factor.solve(A.T @ b)
         trace = np.mean([z @ (A @ factor.solve(A.T @ z)) for z in probes])
         score = np.sum((A @ moduli - b) ** 2) / max(len(b) - trace, 1.0) ** 2

@@ -26,6 +26,8 @@ from hypernode.storage.netcdf import read, units_of, write
 #: Share of the cost below which misfits leave nothing to explain: without noise, that of a neo-Hookean sheet is a few
 #: thousandths, and that of any other nearly one.
 NOTHING_LEFT = 0.02
+#: The term that joins once further ones are known: with all at once the valleys are longest.
+LAST = "stiffening"
 #: What jumps cost for a few iterations, to leave one of the many minima that noise makes: factors of the weight and of
 #: the size above which jumps stop costing more, and how many iterations.
 SHAKES = ((0.2, 1.0, 6), (1.0, 10.0, 4))
@@ -44,9 +46,9 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
 
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
     Where the terms leave doubt, all at once are released from the homogeneous sheet, since a stiffness that had to
-    stand for other terms may mislead; where the test is still not explained, the further terms as well, which would
-    only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and shaken
-    or divided.
+    stand for other terms may mislead; where no field of theirs explains the test, the further terms as well, which
+    would only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and
+    shaken or divided.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -61,6 +63,8 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 
+    likeliest = functools.partial(min, key=lambda each: each.cost)
+
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = UNEXPLAINED_PLATEAU if settings.further_terms else None
@@ -74,9 +78,15 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
             tried = [with_terms(settings.terms, plain, further)]
             if tried[0].doubtful:
                 tried.append(with_terms(settings.terms, None, further))
-    if settings.further_terms and min(each.unexplained for each in tried) > 1.0:
-        tried.append(with_terms([*settings.terms, *settings.further_terms], plain, None))
-    found = _shaken(min(tried, key=lambda each: each.cost), settings, name)
+    found = likeliest(tried)
+    terms = [*settings.terms, *settings.further_terms]
+    if settings.further_terms and found.wanting:
+        soon = [term for term in terms if term != LAST]
+        tried = [found, with_terms(soon, plain, further if LAST in terms else None)]
+        if LAST in terms:
+            tried.append(with_terms(terms, tried[-1], None))
+        found = likeliest(tried)
+    found = _shaken(found, settings, name)
     found = _divided(found, measurement, settings, name)
     if found.history[-1] > UNEXPLAINED:
         print(

@@ -27,8 +27,12 @@ CLOSE = 1.05
 #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained. The forces of
 #: good fields are missed by one to three uncertainties: a thousandth.
 UNEXPLAINED, FORCES_UNEXPLAINED = 2.0, 4.0
-#: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance.
-CHANCE = 1.0
+#: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance, and beyond
+#: which it never does.
+CHANCE, NO_CHANCE = 1.0, 3.0
+#: Share of the cost that misfits without noise have where the terms do not contain the material: half and more. Where
+#: they do, a few hundredths.
+MUCH_LEFT = 0.3
 #: Size below which jumps are smoothed in the end where displacements have noise, which would hide in gentle slopes that
 #: cost nothing. On the way so sharp a bend makes many local minima.
 SHARP_JUMP = 0.005
@@ -94,10 +98,20 @@ class Found:
         return self.objective.misfits(self.states, self.problem.sigma) / self.cost
 
     @property
+    def excess(self) -> float:
+        """How much more of noisy displacements is left than their noise, in standard deviations of that by chance."""
+        return 2.0 * np.sqrt(self.problem.cost_of_noise) * (self.history[-1] - 1.0) if self.problem.noisy else 0.0
+
+    @property
     def doubtful(self) -> bool:
         """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
-        by_chance = 1.0 + CHANCE / (2.0 * np.sqrt(self.problem.cost_of_noise))
-        return self.unexplained > 1.0 or (self.problem.noisy and self.history[-1] > by_chance)
+        return self.unexplained > 1.0 or self.excess > CHANCE
+
+    @property
+    def wanting(self) -> bool:
+        """Whether no field of these terms explains the test, as far as this one tells."""
+        much = self.excess > NO_CHANCE if self.problem.noisy else self.data_share > MUCH_LEFT
+        return self.unexplained > 1.0 or much
 
 
 def _first_field(problem: FieldProblem, before: Found | None):
@@ -156,6 +170,9 @@ def descend(
     """
     params, centre, guesses = _first_field(problem, before)
     states = problem.states(params, guesses)
+    if states is None and before is not None:
+        # Equilibrium under other terms may be out of reach of Newton's method from there.
+        return descend(problem, settings, name, None, plateau, tolerance)
     if states is None:
         raise IdentificationError(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the held edges "
@@ -222,7 +239,8 @@ def _line_search(objective, params, states, sigma, change, before, longest):
                 guess = state.u.ravel().copy()
                 guess[state.free] += fraction * d
                 guesses.append(guess.reshape(-1, 2))
-            reached = objective.problem.states(trial, guesses, objective.linear.factors)
+            factors = [step.factor for step in objective.linear.steps]
+            reached = objective.problem.states(trial, guesses, factors)
             if reached is not None:
                 after = objective.value(trial, reached, sigma)
                 if after < before:

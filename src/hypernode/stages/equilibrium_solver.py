@@ -16,7 +16,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
-import scipy.sparse.linalg
 from jaxtyping import Array, Float
 
 from hypernode.errors import ExpectedError
@@ -24,6 +23,7 @@ from hypernode.mechanics.kinematics import invariants
 from hypernode.mechanics.loads import Load
 from hypernode.mechanics.materials import energy_derivatives
 from hypernode.mechanics.mesh import Mesh
+from hypernode.mechanics.sparse_factors import factorise
 from hypernode.mechanics.stress import first_piola_kirchhoff
 
 MAX_ITERATIONS = 20
@@ -61,12 +61,6 @@ class Equilibrium(NamedTuple):
     u: np.ndarray | None
     history: list[float]
     force: np.ndarray
-
-
-def factorise(matrix) -> scipy.sparse.linalg.SuperLU:
-    """Sparse factors of a symmetric matrix, whose symmetric ordering no pivot disturbs."""
-    symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    return scipy.sparse.linalg.splu(matrix.tocsc(), **symmetric)
 
 
 class EquilibriumSolver:
@@ -266,4 +260,4 @@ def closed_form_stress(models: tuple[str, ...]) -> Callable:
     return stress
 
 
-__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress", "factorise"]
+__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress"]

@@ -12,7 +12,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
-import scipy.sparse.linalg
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
@@ -20,9 +19,11 @@ from hypernode.config import Constrained
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.mechanics.mesh import refine
-from hypernode.stages.equilibrium_solver import EquilibriumSolver, factorise
+from hypernode.mechanics.sparse_factors import factorise
+from hypernode.stages.equilibrium_solver import EquilibriumSolver
 from hypernode.stages.fields import Loading, deformation_gradient, displacement_noise, mesh_of, stress_resultants
 from hypernode.stages.held_edges import held_displacement
+from hypernode.stages.jacobian import Jacobian, StepJacobian
 from hypernode.stages.observation import window_average
 
 #: Displacements are never trusted beyond this share of the largest one, noise apart: what finite elements on the
@@ -262,87 +263,15 @@ class FieldProblem:
         f = [(f.direction @ states[f.step].force - f.value) / f.sigma for f in self.forces]
         return u, np.array(f)
 
-    def linearise(self, params, states: list[State], sigma: float) -> "Linearised":
-        """Derivative of the residuals with respect to the parameters, by implicit differentiation."""
+    def linearise(self, params, states: list[State], sigma: float) -> Jacobian:
+        """Derivative of the residuals by the parameters, where displacements have the uncertainty ``sigma``."""
         shape = (self.mesh.nodes.size, params.size)
         self.solver.set_parameters({"params": params})
-        tangents, B = [], []
-        for state in states:
-            tangents.append(self.solver.tangent(state.u)[1])
+        steps = []
+        for number, state in enumerate(states):
+            K = self.solver.tangent(state.u)[1]
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
-            B.append(scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape))
-        return Linearised(states, tangents, B, self, sigma)
-
-
-class Linearised:
-    """The Jacobian J (residual, parameter) at one material field, as products with it and its transpose.
-
-    With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The factors of K serve
-    both products, so that each costs one back-substitution a load step. Residuals are the seen displacements step by
-    step, then the forces, over their uncertainties, and whitened (:meth:`whiten`); products take one vector or the
-    columns of a matrix.
-    """
-
-    def __init__(self, states, tangents, B, problem: FieldProblem, sigma: float):
-        free, forces = [s.free for s in states], problem.forces
-        self.sigma = sigma
-        self.factors = [factorise(K[f][:, f]) for K, f in zip(tangents, free, strict=True)]
-        self._load = [each[f] for each, f in zip(B, free, strict=True)]
-        self._load_transposed = [each.T.tocsr() for each in self._load]
-        self._observe = [W[:, f] for W, f in zip(problem.observe, free, strict=True)]
-        self._ends = np.cumsum([W.shape[0] for W in self._observe])
-        self._force_rows = np.zeros((len(forces), B[0].shape[1]))
-        for row, f in zip(self._force_rows, forces, strict=True):
-            response = self.factors[f.step].solve((tangents[f.step] @ f.direction)[free[f.step]])
-            row[:] = (B[f.step].T @ f.direction - self._load_transposed[f.step] @ response) / f.sigma
-        self._shared = [
-            self._shared_errors(step, tangents[step], problem)
-            for step, errors in enumerate(problem.edge_errors)
-            if errors.size
-        ]
-
-    def _shared_errors(self, step: int, K, problem: FieldProblem):
-        """(rows, directions, shares) of what errors of the held edges add to the covariance of one step's residuals.
-
-        The covariance is I + A A^T with A the residuals' derivative by the edges' independent errors, and its inverse
-        root I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
-        """
-        free = problem.free[step]
-        du = problem.edge_errors[step].copy()
-        du[free] = -self.factors[step].solve((K @ du)[free])
-        forces = [(row, f) for row, f in enumerate(problem.forces) if f.step == step]
-        end = self._ends[step]
-        rows = np.arange(end - self._observe[step].shape[0], end)
-        rows = np.concatenate([rows, [self._ends[-1] + row for row, _ in forces]]).astype(int)
-        A = [problem.observe[step] @ du / self.sigma, *((f.direction @ (K @ du) / f.sigma)[None] for _, f in forces)]
-        U, s, _ = np.linalg.svd(np.concatenate(A), full_matrices=False)
-        return rows, U, 1.0 - 1.0 / np.sqrt(1.0 + s**2)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(residuals, parameters)."""
-        return int(self._ends[-1]) + len(self._force_rows), self._force_rows.shape[1]
-
-    def displacement(self, change) -> list[np.ndarray]:
-        """First-order change of the free displacements of every step."""
-        return [-factor.solve(load @ change) for factor, load in zip(self.factors, self._load, strict=True)]
-
-    def whiten(self, residual):
-        """Residuals that share the errors of held edges, as independent ones of unit variance."""
-        residual = residual.copy()
-        for rows, U, share in self._shared:
-            residual[rows] -= U @ (share * (U.T @ residual[rows]).T).T
-        return residual
-
-    def forward(self, change):
-        """J change."""
-        seen = [W @ du / self.sigma for W, du in zip(self._observe, self.displacement(change), strict=True)]
-        return self.whiten(np.concatenate([*seen, self._force_rows @ change]))
-
-    def adjoint(self, residual):
-        """J^T residual."""
-        *seen, forces = np.split(self.whiten(residual), self._ends)
-        total = self._force_rows.T @ forces
-        for factor, load, W, part in zip(self.factors, self._load_transposed, self._observe, seen, strict=True):
-            total -= load @ factor.solve(W.T @ part / self.sigma)
-        return total
+            B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
+            forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
+            steps.append(StepJacobian(K, B, state.free, self.observe[number] / sigma, forces, self.edge_errors[number]))
+        return Jacobian(steps, [force.step for force in self.forces], sigma)

@@ -18,7 +18,7 @@ from hypernode.mechanics.mesh import EDGES, Mesh
 #: Bounds of the roughness's weight, over those at which the smoothest and the roughest mode are halved.
 WEIGHTS = 1e-4, 1e4
 #: Errors of a mode that are below this share of the noise are left out.
-SMALLEST_ERROR = 0.03
+SMALLEST_ERROR = 0.1
 
 
 @dataclass(frozen=True)

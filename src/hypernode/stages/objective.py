@@ -6,7 +6,8 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.stages.field_problem import FieldProblem, Linearised
+from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.jacobian import Jacobian
 from hypernode.stages.jumps import Jumps
 from hypernode.stages.recycling import RecyclingSolver
 
@@ -34,7 +35,7 @@ class Objective:
     #: What the last step learned of the normal equations, for the next one's.
     known: np.ndarray | None = None
     #: The last linearisation: it knows what residuals share.
-    linear: Linearised | None = None
+    linear: Jacobian | None = None
 
     def residuals(self, states, sigma: float) -> tuple[np.ndarray, np.ndarray]:
         """(displacements, forces): misfits over their uncertainties, free of what errors of held edges explain."""
@@ -124,19 +125,19 @@ class NormalEquations:
         known: what an earlier system :meth:`learned`.
     """
 
-    def __init__(self, linear: Linearised, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
+    def __init__(self, linear: Jacobian, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
         inverse = np.linalg.inv(B)
         self._to_params = block_diagonal(inverse).tocsr()
         self._to_coordinates = self._to_params.T.tocsr()
         jumps = (R.T @ R).tocsc()
 
         def data(y):
-            return self._to_coordinates @ linear.adjoint(linear.forward(self._to_params @ y))
+            return self._to_coordinates @ linear.curvature(self._to_params @ y)
 
         def product(y):
             x = self._to_params @ y
             held = ridge * x if x.ndim == 1 else ridge[:, None] * x
-            return self._to_coordinates @ (linear.adjoint(linear.forward(x)) + held) + jumps @ y
+            return self._to_coordinates @ (linear.curvature(x) + held) + jumps @ y
 
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).

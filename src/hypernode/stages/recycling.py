@@ -14,7 +14,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 from jaxtyping import Float
 
-from hypernode.stages.equilibrium_solver import factorise
+from hypernode.mechanics.sparse_factors import factorise
 
 #: Directions that are kept.
 KEPT = 40

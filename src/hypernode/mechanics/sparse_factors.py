@@ -1,0 +1,42 @@
+"""Factors of sparse symmetric matrices: Cholesky's by CHOLMOD; SuperLU's where a matrix is not positive definite."""
+
+import cvxopt
+import cvxopt.cholmod
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+from jaxtyping import Float
+
+
+class CholeskyFactors:
+    """Cholesky factors of a sparse symmetric positive definite matrix, of which the lower triangle is read.
+
+    Raises:
+        ArithmeticError: the matrix is not positive definite.
+    """
+
+    def __init__(self, matrix: scipy.sparse.spmatrix):
+        lower = scipy.sparse.tril(matrix).tocoo()
+        rows, columns = (cvxopt.matrix(each.astype(np.int64)) for each in (lower.row, lower.col))
+        entries = cvxopt.spmatrix(cvxopt.matrix(lower.data), rows, columns, matrix.shape)
+        self._factors = cvxopt.cholmod.symbolic(entries)
+        cvxopt.cholmod.numeric(entries, self._factors)
+
+    def solve(self, b: Float[np.ndarray, "n ..."]) -> Float[np.ndarray, "n ..."]:
+        """A^-1 b, of one vector or of the columns of a matrix."""
+        b = np.asarray(b, float)
+        if b.size == 0:
+            return b.copy()
+        x = cvxopt.matrix(b)
+        cvxopt.cholmod.solve(self._factors, x)
+        return np.array(x).reshape(b.shape)
+
+
+def factorise(matrix: scipy.sparse.spmatrix) -> CholeskyFactors | scipy.sparse.linalg.SuperLU:
+    """Factors of a symmetric matrix, with a method ``solve``."""
+    try:
+        return CholeskyFactors(matrix)
+    except ArithmeticError:
+        # A sheet that buckles has a tangent like that, whose symmetric ordering pivots must not disturb.
+        symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+        return scipy.sparse.linalg.splu(matrix.tocsc(), **symmetric)
