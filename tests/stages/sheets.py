@@ -12,12 +12,16 @@ from hypernode.stages.forward import resultants
 SCALE = 0.4
 
 
-def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5):
-    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``."""
+def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=()):
+    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``.
+
+    Of the basis with ``terms`` its parameters have their ``values``, pairs of name and number, or those it starts with.
+    """
     basis = ConvexBasis(terms, SCALE)
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)
-    params = np.tile(basis.start, (len(mesh.cells), 1))
+    values = dict(zip(basis.names, basis.start, strict=True)) | dict(values)
+    params = np.tile(list(values.values()), (len(mesh.cells), 1))
     params[inclusion(mesh.centres), 0] += np.log(2.0)
     solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
     u, _ = solver.solve(load)

@@ -49,6 +49,19 @@ def test_terms_are_released_only_where_the_stiffness_alone_leaves_something_to_e
     assert np.linalg.norm(P - wanted) < 0.005 * np.linalg.norm(wanted)
 
 
+def test_fibres_that_stiffen_as_those_of_skin_are_found_with_the_term_for_it_and_not_without():
+    terms, skin = ("fibre", "stiffening"), {"fibre_x": 0.4, "fibre_y": 0.2, "log1p_stiffening": 0.6}
+    load = make_load("equibiaxial", [1.05, 1.1, 1.15, 1.2])
+    data, _, true = sheet(8, square, load, terms=terms, values=skin.items())
+    F = np.diag([1.2, 1.2])[:, :, None]
+    wanted, errors = ConvexBasis(terms, SCALE).stress(F, true.T), []
+    for known in (["fibre"], ["fibre", "stiffening"]):
+        found = identify(data, Constrained(terms=known), "skin")
+        P = found.problem.basis.stress(F, found.params.T)
+        errors.append(np.linalg.norm(P - wanted) / np.linalg.norm(wanted))
+    assert errors[1] < 0.01 < 0.05 < errors[0]
+
+
 def test_the_area_of_a_compressible_sheet_and_the_thickness_dependent_I2_exclude_each_other():
     with pytest.raises(ValidationError, match="without I2"):
         Constrained(terms=["I2", "J"])
