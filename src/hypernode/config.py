@@ -246,14 +246,12 @@ class Constrained(Section):
     seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")
-    def _fibres_first(self):
+    def _first_terms_first(self):
         every = {*self.terms, *self.further_terms}
-        if "across" in every and "fibre" not in self.terms:
-            raise ValueError("the term across is a second family of fibres: add fibre to terms")
-        for term, of in (("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
+        for term, of in (("across", "fibre"), ("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
             if term in every and of not in self.terms:
                 raise ValueError(f"the term {term} says more of the term {of}: add {of} to terms")
-        if "J" in self.further_terms or ("J" in self.terms and "I2" in [*self.terms, *self.further_terms]):
+        if "J" in self.further_terms or ("J" in self.terms and "I2" in every):
             raise ValueError("the term J belongs to terms, without I2: I2 needs the thickness, which J leaves open")
         return self
 

@@ -62,6 +62,22 @@ def test_fibres_that_stiffen_as_those_of_skin_are_found_with_the_term_for_it_and
     assert errors[1] < 0.01 < 0.05 < errors[0]
 
 
+def test_a_descent_begins_anew_where_no_equilibrium_is_near_that_of_the_terms_before():
+    data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1]))
+    settings = Constrained(terms=["I1_squared"], iterations=3)
+    problem = FieldProblem(data, settings)
+    before = descend(FieldProblem(data, Constrained(terms=[])), settings, "square", None, None, 0.0)
+    torn = [dataclasses.replace(state, u=state.u.copy()) for state in before.states]
+    for state in torn:
+        state.u.ravel()[state.free] = np.random.default_rng(1).normal(size=len(state.free))
+    assert problem.states(np.tile(problem.homogeneous, (25, 1)), [state.u for state in torn]) is None
+    found, anew = (
+        descend(problem, settings, "square", each, None, 0.0)
+        for each in (dataclasses.replace(before, states=torn), None)
+    )
+    assert np.array_equal(found.params, anew.params)
+
+
 def test_the_area_of_a_compressible_sheet_and_the_thickness_dependent_I2_exclude_each_other():
     with pytest.raises(ValidationError, match="without I2"):
         Constrained(terms=["I2", "J"])

@@ -39,8 +39,10 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, parts, monkey
     gradient = linear.adjoint(residuals(params))
     h = 1e-5
     assert gradient @ change == pytest.approx((misfit(h) - misfit(-h)) / (2 * h), rel=1e-6)
+    J = np.stack([linear.adjoint(unit) for unit in np.eye(linear.shape[0])])
     slope = (residuals(params + h * step) - residuals(params - h * step)) / (2 * h)
-    np.testing.assert_allclose(linear.curvature(change), linear.adjoint(slope), atol=1e-5 * np.abs(gradient).max())
+    np.testing.assert_allclose(J @ change, slope, atol=1e-6 * np.abs(slope).max())
+    np.testing.assert_allclose(linear.curvature(change), J.T @ (J @ change), rtol=1e-10, atol=1e-12 * np.abs(J).max())
 
 
 def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():

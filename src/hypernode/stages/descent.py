@@ -230,6 +230,7 @@ def _line_search(objective, params, states, sigma, change, before, longest):
     # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
     clipped = np.clip(change, -LARGEST_STEP, LARGEST_STEP)
     scaled = change * min(1.0, LARGEST_STEP / max(np.abs(change).max(), 1e-300))
+    factors = [step.factor for step in objective.linear.steps]
     for direction, fractions in ((clipped, longest * 0.4 ** np.arange(2)), (scaled, 0.4 ** np.arange(5))):
         du = objective.linear.displacement(direction)
         for fraction in fractions:
@@ -239,7 +240,6 @@ def _line_search(objective, params, states, sigma, change, before, longest):
                 guess = state.u.ravel().copy()
                 guess[state.free] += fraction * d
                 guesses.append(guess.reshape(-1, 2))
-            factors = [step.factor for step in objective.linear.steps]
             reached = objective.problem.states(trial, guesses, factors)
             if reached is not None:
                 after = objective.value(trial, reached, sigma)

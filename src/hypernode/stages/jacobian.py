@@ -22,6 +22,10 @@ class StepJacobian:
     edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges' independent
     errors. Its inverse root is I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
 
+    Attributes:
+        factor: factors of the free tangent stiffness.
+        seen, parameters: how many displacements are seen, and how many parameters there are.
+
     Args:
         K: tangent stiffness (degree of freedom, degree of freedom).
         B: derivative of the nodal forces by the parameters (degree of freedom, parameter).
@@ -32,19 +36,20 @@ class StepJacobian:
     """
 
     def __init__(self, K, B, free, observe, forces, errors):
-        self.factor = factorise(K[free][:, free])
+        rows = K[free]
+        self.factor = factorise(rows[:, free])
         self._load, self._observe = B[free], observe[:, free]
         self._load_transposed = self._load.T.tocsr()
         reactions = [K @ direction / sigma for direction, sigma in forces]
         self._force_rows = np.zeros((len(forces), B.shape[1]))
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
-        self.shape = len(forces) + observe.shape[0], B.shape[1]
+        self.seen, self.parameters = observe.shape[0], B.shape[1]
         held = np.flatnonzero(errors.any(axis=1))
         du = errors.copy()
-        du[free] = -self.factor.solve(K[free][:, held] @ errors[held])
+        du[free] = -self.factor.solve(rows[:, held] @ errors[held])
         A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
-        variance, V = scipy.linalg.eigh(A.T @ A) if A.size else (np.zeros(0), np.zeros((0, 0)))
+        variance, V = scipy.linalg.eigh(A.T @ A)
         told = variance > NEGLIGIBLE_VARIANCE
         self._shared, self._variance = A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
 
@@ -62,7 +67,7 @@ class StepJacobian:
 
     def _adjoint(self, residual):
         """J^T residual, not whitened."""
-        seen, forces = np.split(residual, [self._observe.shape[0]])
+        seen, forces = np.split(residual, [self.seen])
         return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._observe.T @ seen)
 
     def adjoint(self, residual):
@@ -87,12 +92,10 @@ class Jacobian:
 
     def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float):
         self.steps, self.sigma = steps, sigma
-        owners = [force_steps.count(step) for step in range(len(steps))]
-        owner = np.repeat(np.arange(len(steps)), [step.shape[0] - own for step, own in zip(steps, owners, strict=True)])
-        owner = np.concatenate([owner, np.array(force_steps, int)])
-        self._rows = [np.flatnonzero(owner == step) for step in range(len(steps))]
+        of_step = np.concatenate([*(np.full(step.seen, k) for k, step in enumerate(steps)), np.array(force_steps, int)])
+        self._rows = [np.flatnonzero(of_step == k) for k in range(len(steps))]
         #: (residuals, parameters).
-        self.shape = len(owner), steps[0].shape[1]
+        self.shape = len(of_step), steps[0].parameters
 
     def displacement(self, change) -> list[np.ndarray]:
         """First-order change of the free displacements of every step."""
