@@ -73,12 +73,12 @@ def once(given) -> None:
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:1])
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     begun = time.perf_counter()
-    import jax
-
     from hypernode.config_loader import load_config
     from hypernode.runtime import set_up_compiler
 
-    set_up_compiler()
+    set_up_compiler(float64=False)
+    import jax
+
     config = load_config(given.config)
     times = {}
     (case,) = given.cases
@@ -106,6 +106,10 @@ def main():
     if given.once:
         once(given)
         return
+    missing = [f"{given.results}/{case}/measurement.nc" for case in given.cases]
+    missing = " ".join(file for file in missing if not Path(file).is_file())
+    if missing:
+        parser.error(f"no measurement of every case: run snakemake --cores 2 {missing}")
     step = Path(given.results) / "benchmarks" / "training_step.json"
     published = PUBLISHED_STEPS * json.loads(step.read_text())["published"]["median_s"] if step.is_file() else None
     rows = []

@@ -4,6 +4,8 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 JOB = """
 import sys, time
 from pathlib import Path
@@ -31,3 +33,21 @@ def test_a_job_works_on_while_its_parent_lives(tmp_path):
 
 def test_a_job_ends_whose_parent_died_before_it_asked_to_be_told(tmp_path):
     assert not started(0.0, tmp_path / "sign")
+
+
+@pytest.mark.parametrize("rule", ["measurement", "gradient", "tables"])
+def test_a_job_that_does_not_compute_with_jax_does_not_import_it(rule):
+    module = "hypernode.figures.tables" if rule == "tables" else f"hypernode.stages.{rule}"
+    code = (
+        f"import sys, hypernode.runtime as r; r.set_up_compiler(True); import {module}; sys.exit('jax' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_a_job_computes_in_the_precision_that_its_rule_asks_for():
+    code = "import hypernode.runtime as r; r.set_up_compiler({}); import jax; print(jax.numpy.ones(1).dtype)"
+    for float64, wanted in ((True, "float64"), (False, "float32")):
+        done = subprocess.run(
+            [sys.executable, "-c", code.format(float64)], capture_output=True, text=True, check=True, timeout=60
+        )
+        assert done.stdout.strip() == wanted

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Array, Float
 
+from hypernode.basis_file import basis_field
 from hypernode.config import Frequencies
-from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.kinematics import REFERENCE, Invariants, invariants
 from hypernode.mechanics.materials import energy_density, energy_derivatives
 from hypernode.mechanics.stress import first_piola_kirchhoff
@@ -106,21 +106,6 @@ def nearest_cell(file: xr.Dataset):
 
     tree = cKDTree(file["X"].values[file["cells"].values].mean(axis=1))
     return lambda X: tree.query(np.asarray(X))[1]
-
-
-def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter part cell"]]:
-    """The convex basis of a constrained field and its parameters in the parts of every cell, row by row."""
-    spec = json.loads(file.attrs["basis"])
-    basis = ConvexBasis(tuple(spec["terms"]), spec["invariant_scale"])
-    return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
-
-
-def basis_content(
-    basis: ConvexBasis, params: Float[np.ndarray, "parameter part cell"]
-) -> tuple[dict[str, tuple], dict[str, str]]:
-    """(variables, attributes) of a file from which :func:`basis_field` reads the same again."""
-    variables = {f"basis.{name}": (("part", "cell"), values) for name, values in zip(basis.names, params, strict=True)}
-    return variables, {"material_kind": "convex_basis", "basis": json.dumps(dataclasses.asdict(basis))}
 
 
 def mean_of_parts(law):

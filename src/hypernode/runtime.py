@@ -7,6 +7,7 @@ that XLA's thread pool has that size and two jobs on two cores do not fight.
 import contextlib
 import ctypes
 import fcntl
+import importlib.metadata
 import os
 import signal
 import sys
@@ -83,22 +84,25 @@ class _Tee:
                 stream.flush()
 
 
-def set_up_compiler() -> None:
+def set_up_compiler(float64: bool) -> None:
     """Compile quickly, and keep what is compiled between jobs, outside results/ and safe to delete at any time.
 
-    Call it before anything is compiled. Where ``XLA_FLAGS`` is set, it has the last word.
-    """
-    # A step of ours is hundreds of small kernels. The newer emitters set up a compiler of their own for each, which
-    # takes longer than what they save in all but the longest training.
-    os.environ["XLA_FLAGS"] = " ".join(filter(None, [QUICK_KERNELS, os.environ.get("XLA_FLAGS")]))
-    import jax
-    import jaxlib
+    Call it before JAX is imported, which many jobs never do. Where ``XLA_FLAGS`` is set, it has the last word.
 
-    folder = Path(os.environ.get("HYPERNODE_CACHE", ".cache")) / f"jax-{jaxlib.__version__}"
-    jax.config.update("jax_compilation_cache_dir", str(folder.resolve()))
-    # Most of a job's compilation is a hundred small functions; kept, they cost a few milliseconds each.
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+    Args:
+        float64: whether JAX computes in double precision.
+    """
+    folder = Path(os.environ.get("HYPERNODE_CACHE", ".cache")) / f"jax-{importlib.metadata.version('jaxlib')}"
+    os.environ |= {
+        # A step of ours is hundreds of small kernels. The newer emitters set up a compiler of their own for each, which
+        # takes longer than what they save in all but the longest training.
+        "XLA_FLAGS": " ".join(filter(None, [QUICK_KERNELS, os.environ.get("XLA_FLAGS")])),
+        "JAX_ENABLE_X64": str(int(float64)),
+        "JAX_COMPILATION_CACHE_DIR": str(folder.resolve()),
+        # Most of a job's compilation is a hundred small functions; kept, they cost a few milliseconds each.
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+        "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
+    }
 
 
 @contextlib.contextmanager
@@ -117,10 +121,7 @@ def job(snakemake, float64: bool = False):
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
-    import jax
-
-    jax.config.update("jax_enable_x64", float64)
-    set_up_compiler()
+    set_up_compiler(float64)
 
     try:
         yield describe(

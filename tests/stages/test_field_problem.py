@@ -8,6 +8,7 @@ from hypernode.config import Constrained
 from hypernode.mechanics.loads import make_load
 from hypernode.stages import field_problem
 from hypernode.stages.field_problem import FieldProblem
+from hypernode.stages.jacobian import quadrature
 from tests.stages.sheets import sheet, square
 
 
@@ -81,3 +82,26 @@ def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_m
     by_chance = np.sqrt(2.0 * count)
     assert abs(sum(white) - count) < 3.0 * by_chance
     assert sum(raw) - count > 3.5 * by_chance
+
+
+def test_two_steps_of_a_test_stand_for_all_of_them():
+    sizes = np.array([0.2, 0.45, 0.6, 0.9, 1.0])
+    weights = quadrature(sizes)
+    assert np.count_nonzero(weights) == 2 and weights.min() >= 0.0
+    for power in (2, 3):
+        np.testing.assert_allclose(weights @ sizes**power, np.sum(sizes**power))
+    np.testing.assert_allclose(weights @ sizes**4, np.sum(sizes**4), rtol=0.05)
+    for few in ([1.0], [0.5, 1.0], [1.0, 1.0, 1.0]):
+        assert np.array_equal(quadrature(np.array(few)), np.ones(len(few)))
+
+
+def test_the_curvature_of_two_steps_is_nearly_that_of_a_noisy_test_and_all_of_it_without_noise():
+    load = make_load("equibiaxial", [1.05, 1.1, 1.15, 1.2])
+    for noise, difference in ((1e-3, 0.1), (0.0, 1e-12)):
+        data, _, params = sheet(5, square, load, noise=noise)
+        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+        linear = problem.linearise(params, problem.states(params, problem.extension(params)), problem.sigma)
+        full, lean = (
+            np.linalg.eigvalsh(each(np.eye(params.size))) for each in (linear.curvature, linear.nearly_curvature)
+        )
+        assert np.abs(lean - full).max() < difference * full.max()

@@ -7,10 +7,12 @@ the node times the cell area.
 
 from dataclasses import dataclass
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
+from jax.experimental.sparse import BCOO
 from jaxtyping import Array, Bool, Float
 
 from hypernode.mechanics.mesh import EDGES, Mesh
@@ -104,6 +106,20 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
     return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
 
 
+@jax.custom_vjp
+def _energies(R: Float[Array, "test step"], compliance: Float[Array, "test test"]) -> Float[Array, " step"]:
+    """R K^-1 R of each column, differentiated by R alone; the dense product is what costs, and one serves both."""
+    return jnp.sum(R * (compliance @ R), axis=0)
+
+
+def _energies_and_field(R, compliance):
+    field = compliance @ R
+    return jnp.sum(R * field, axis=0), field
+
+
+_energies.defvjp(_energies_and_field, lambda field, slope: (2.0 * slope * field, None))
+
+
 @dataclass(frozen=True)
 class EquilibriumGap:
     """Distance of a stress field from the nearest one in equilibrium with the measured forces.
@@ -115,15 +131,15 @@ class EquilibriumGap:
     that equilibrium and resultants need no weights of their own.
 
     Attributes:
-        whitened: maps[i][J] from cell stress to the whitened residual (test function, cell).
-        loads: whitened unit resultant per component (test function,), zero where none is measured.
-        tied: the edge whose resultant enters, per component, or None.
+        work: sparse maps[i][J] from cell stress to the virtual work (test function, cell).
+        loads: virtual work of a unit resultant per component (test function,), zero where none is measured.
+        compliance: K^-1 per component.
         area: area of the sheet.
     """
 
-    whitened: tuple
+    work: tuple
     loads: tuple
-    tied: tuple
+    compliance: tuple
     area: float
 
     @classmethod
@@ -144,25 +160,21 @@ class EquilibriumGap:
                 correct, and the gap is what the cheapest correction costs.
         """
         D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh, variance)
-        whitened, loads, tied = [], [], []
+        work, loads, compliance = [], [], []
         for component in range(2):
             T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
-            reduced = energy.toarray()
-            factor = np.linalg.cholesky(reduced)
-            solve = np.linalg.inv(factor)
-            maps = [jnp.asarray(np.ascontiguousarray((T.T @ D[J]).T @ solve.T).T, jnp.float32) for J in range(2)]
-            whitened.append(tuple(maps))
-            unit = np.zeros(len(reduced))
+            work.append(tuple(BCOO.from_scipy_sparse((T.T @ D[J]).astype(np.float32)) for J in range(2)))
+            compliance.append(jnp.asarray(np.linalg.inv(energy.toarray()), jnp.float32))
+            unit = np.zeros(T.shape[1])
             if edge is not None:
                 unit[-1] = 1.0
-            loads.append(jnp.asarray(solve @ unit, jnp.float32))
-            tied.append(edge)
-        return cls(tuple(whitened), tuple(loads), tuple(tied), float(mesh.areas.sum()))
+            loads.append(jnp.asarray(unit, jnp.float32))
+        return cls(tuple(work), tuple(loads), tuple(compliance), float(mesh.areas.sum()))
 
-    def residuals(
+    def squared(
         self, P: Float[Array, "2 2 step cell"], resultant: Float[Array, "step 2"], scale: Float[Array, " step"]
-    ) -> list[Float[Array, "test step"]]:
-        """Whitened residual of each component; the sum of their squares is the squared gap.
+    ) -> Float[Array, " step"]:
+        """The squared gap of every step.
 
         Args:
             P: cell stresses.
@@ -170,8 +182,8 @@ class EquilibriumGap:
                 nothing is tied).
             scale: stress unit of each step.
         """
-        found = []
+        total = jnp.zeros(len(scale))
         for i in range(2):
-            R = sum(self.whitened[i][J] @ P[i, J].T for J in range(2))
-            found.append((R - self.loads[i][:, None] * resultant[:, i]) / (scale * self.area**0.5))
-        return found
+            R = sum(self.work[i][J] @ P[i, J].T for J in range(2)) - self.loads[i][:, None] * resultant[:, i]
+            total = total + _energies(R / (scale * self.area**0.5), self.compliance[i])
+        return total

@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
 
+from hypernode.basis_file import basis_content, basis_field
 from hypernode.config import Method
 from hypernode.errors import ExpectedError
-from hypernode.material import basis_content, basis_field
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
 from hypernode.mechanics.mesh import Mesh

@@ -17,8 +17,8 @@ import sys
 
 import numpy as np
 
+from hypernode.basis_file import basis_content
 from hypernode.config import Constrained
-from hypernode.material import basis_content
 from hypernode.stages.descent import UNEXPLAINED, Found, Plateau, descend, described
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.storage.netcdf import read, units_of, write

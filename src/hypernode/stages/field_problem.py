@@ -23,7 +23,7 @@ from hypernode.mechanics.sparse_factors import factorise
 from hypernode.stages.equilibrium_solver import EquilibriumSolver
 from hypernode.stages.fields import Loading, deformation_gradient, displacement_noise, mesh_of, stress_resultants
 from hypernode.stages.held_edges import held_displacement
-from hypernode.stages.jacobian import Jacobian, StepJacobian
+from hypernode.stages.jacobian import Jacobian, StepJacobian, quadrature
 from hypernode.stages.observation import window_average
 
 #: Displacements are never trusted beyond this share of the largest one, noise apart: what finite elements on the
@@ -100,6 +100,11 @@ class FieldProblem:
         described = self.force_misfit <= DESCRIPTION_ERROR
         relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
         self._edge_forces(measurement, np.maximum(relative, float(measurement.attrs["force_uncertainty"])))
+        # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
+        self._shares = np.ones(len(self.u))
+        for test in range(self.loading.test.max() + 1 if self.noisy else 0):
+            steps = self.loading.test == test
+            self._shares[steps] = quadrature(self.loading.t[steps])
         self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
         self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
         self._gradients, self._weights = self.solver.shape_gradients
@@ -274,4 +279,4 @@ class FieldProblem:
             B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
             forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
             steps.append(StepJacobian(K, B, state.free, self.observe[number] / sigma, forces, self.edge_errors[number]))
-        return Jacobian(steps, [force.step for force in self.forces], sigma)
+        return Jacobian(steps, [force.step for force in self.forces], sigma, self._shares)

@@ -8,9 +8,11 @@ from collections.abc import Mapping
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Int
 
+from hypernode.basis_file import basis_field
 from hypernode.config import Frequencies, Method
-from hypernode.material import basis_field, mean_of_parts, node_stress
+from hypernode.material import mean_of_parts, node_stress
 from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.mesh import Mesh
 from hypernode.networks.node_material import NodeMaterial
@@ -39,10 +41,19 @@ class Target:
     known: jax.Array
     scale: jax.Array
 
-    def misfit(self, node: NodeMaterial, node_params, cells=slice(None)):
-        """Mean squared relative error of the stress of some cells with the given parameters."""
-        P = node_stress(node, self.F[..., cells], node_params) / self.scale[:, None]
-        return jnp.mean(self.known * (P - self.P[..., cells]) ** 2)
+    def misfit(self, node: NodeMaterial, node_params):
+        """Mean squared relative error of the stress of the cells with the given parameters."""
+        P = node_stress(node, self.F, node_params) / self.scale[:, None]
+        return jnp.mean(self.known * (P - self.P) ** 2)
+
+    def ordered(self, cells: Int[np.ndarray, " cell"]) -> "Target":
+        """The target of these cells, in their order."""
+        return dataclasses.replace(self, F=self.F[..., cells], P=self.P[..., cells])
+
+    def following(self, first, count: int) -> "Target":
+        """The target of the ``count`` cells from ``first`` on, which may be traced."""
+        F, P = (jax.lax.dynamic_slice_in_dim(each, first, count, axis=-1) for each in (self.F, self.P))
+        return dataclasses.replace(self, F=F, P=P)
 
 
 @dataclasses.dataclass

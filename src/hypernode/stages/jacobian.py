@@ -3,7 +3,12 @@
 With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The Jacobian of a sheet is
 dense, of some thousand residuals by some thousand parameters and load step. It is known as products, each of which
 costs a back-substitution with the factors of the tangent stiffness K; they take one vector or the columns of a matrix.
+
+The steps of one test are points of one smooth path, along which the Jacobian grows nearly with the load. What all of
+them together say of the curvature, two of them say as well, by a quadrature rule.
 """
+
+from itertools import combinations
 
 import numpy as np
 import scipy.linalg
@@ -13,6 +18,29 @@ from hypernode.mechanics.sparse_factors import factorise
 
 #: Variance that errors of held edges add to a combination of residuals, over its own, below which it is left out.
 NEGLIGIBLE_VARIANCE = 1e-2
+
+
+def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
+    """Weights of two load steps of a test, zero for the others, whose weighted sum stands for that of all steps.
+
+    Exact for what grows with the square and the cube of the load. Of the pairs with positive weights the one that comes
+    closest for its fourth power and for what does not grow at all; where there is none, every step counts once.
+
+    Args:
+        sizes: load of every step.
+    """
+    every = np.ones(len(sizes))
+    best, rule = np.inf, every
+    for pair in map(list, combinations(range(len(sizes)), 2)):
+        moments = sizes ** np.arange(5)[:, None]
+        if len(sizes) == 2 or np.ptp(sizes[pair]) == 0.0:
+            continue
+        weights = np.linalg.solve(moments[2:4, pair], moments[2:4].sum(axis=1))
+        error = np.abs(moments[[0, 4]][:, pair] @ weights / moments[[0, 4]].sum(axis=1) - 1.0).sum()
+        if weights.min() > 0.0 and error < best:
+            best, rule = error, np.zeros(len(sizes))
+            rule[pair] = weights
+    return rule
 
 
 class StepJacobian:
@@ -88,10 +116,11 @@ class Jacobian:
     Args:
         force_steps: the load step of every force.
         sigma: the uncertainty of displacements that residuals are over.
+        shares: weight of every load step in :meth:`nearly_curvature`.
     """
 
-    def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float):
-        self.steps, self.sigma = steps, sigma
+    def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float, shares):
+        self.steps, self.sigma, self._shares = steps, sigma, shares
         of_step = np.concatenate([*(np.full(step.seen, k) for k, step in enumerate(steps)), np.array(force_steps, int)])
         self._rows = [np.flatnonzero(of_step == k) for k in range(len(steps))]
         #: (residuals, parameters).
@@ -115,3 +144,8 @@ class Jacobian:
     def curvature(self, change):
         """J^T J change, step by step: the factors of one serve twice while they are at hand."""
         return sum(step.curvature(change) for step in self.steps)
+
+    def nearly_curvature(self, change):
+        """:meth:`curvature` by the steps that have a share: a fraction of the time, and as good for a step downhill."""
+        used = zip(self._shares, self.steps, strict=True)
+        return sum(share * step.curvature(change) for share, step in used if share > 0.0)

@@ -1,6 +1,7 @@
 """What the constrained stage minimises, its Gauss-Newton steps, and the fields that it cannot tell from the best."""
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse
@@ -76,7 +77,7 @@ class Objective:
         R, r, B = self._jump_roots(params)
         gradient = self.linear.adjoint(np.concatenate(self.residuals(states, self.linear.sigma)))
         gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
-        system = NormalEquations(self.linear, R, B, self.ridge + damping, self.known)
+        system = NormalEquations(self.linear.nearly_curvature, R, B, self.ridge + damping, self.known)
         iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
         step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
         self.known = system.learned()
@@ -90,7 +91,7 @@ class Objective:
         """
         linear = self.linear
         R, _, B = self._jump_roots(params)
-        system = NormalEquations(linear, R, B, self.ridge, self.known)
+        system = NormalEquations(linear.curvature, R, B, self.ridge, self.known)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
@@ -118,34 +119,34 @@ class NormalEquations:
     into one small matrix a coordinate; by the parameters it would be one large matrix.
 
     Args:
-        linear: J.
+        curvature: x -> J^T J x.
         R: root of the jumps' quadratic form.
         B: one invertible block a cell.
         ridge: by parameter.
         known: what an earlier system :meth:`learned`.
     """
 
-    def __init__(self, linear: Jacobian, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
+    def __init__(self, curvature: Callable, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
         inverse = np.linalg.inv(B)
         self._to_params = block_diagonal(inverse).tocsr()
         self._to_coordinates = self._to_params.T.tocsr()
         jumps = (R.T @ R).tocsc()
 
         def data(y):
-            return self._to_coordinates @ linear.curvature(self._to_params @ y)
+            return self._to_coordinates @ curvature(self._to_params @ y)
 
         def product(y):
             x = self._to_params @ y
             held = ridge * x if x.ndim == 1 else ridge[:, None] * x
-            return self._to_coordinates @ (linear.curvature(x) + held) + jumps @ y
+            return self._to_coordinates @ (curvature(x) + held) + jumps @ y
 
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], CURVATURE_PROBES))
         estimate = (signs * data(signs)).mean(axis=1).reshape(B.shape[:2])
-        curvature = CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
+        typical = CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
         held = np.einsum("cp,cpq->cq", ridge.reshape(B.shape[:2]), inverse**2)
-        metric = jumps + scipy.sparse.diags((held + curvature).ravel())
+        metric = jumps + scipy.sparse.diags((held + typical).ravel())
         self._solver = RecyclingSolver(product, metric, known)
 
     def solve(self, b, rtol: float, iterations: int):

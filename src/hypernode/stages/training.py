@@ -34,7 +34,7 @@ def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
     def loss(P, network, key):
         total = 0.0
         for steps, gap, resultant, scale in tests:
-            total += sum(jnp.sum(r**2) for r in gap.residuals(P[:, :, steps], resultant, scale))
+            total += jnp.sum(gap.squared(P[:, :, steps], resultant, scale))
         return settings.equilibrium_weight * total / len(problem.loading.t)
 
     return loss
