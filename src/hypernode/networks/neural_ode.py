@@ -78,12 +78,16 @@ def flow(
     excess = jnp.maximum(1.0, slope_bound(matrices) * dt / LARGEST_SLOPE)
     matrices[-1] = [[weight / excess for weight in row] for row in matrices[-1]]
 
+    shape = jnp.broadcast_shapes(h.shape, weights.shape[1:])
+
     @jax.checkpoint
     def step(h, _):
-        k1 = right_hand_side(h, matrices)
-        k2 = right_hand_side(h + 0.5 * dt * k1, matrices)
-        k3 = right_hand_side(h + 0.5 * dt * k2, matrices)
-        k4 = right_hand_side(h + dt * k3, matrices)
+        # Reverse mode sums what a weight does in the four stages before it sums over the axes that share the weight.
+        wide = [[[jnp.broadcast_to(weight, shape) for weight in row] for row in matrix] for matrix in matrices]
+        k1 = right_hand_side(h, wide)
+        k2 = right_hand_side(h + 0.5 * dt * k1, wide)
+        k3 = right_hand_side(h + 0.5 * dt * k2, wide)
+        k4 = right_hand_side(h + dt * k3, wide)
         return h + dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), None
 
     return jax.lax.scan(step, h, None, length=steps)[0]
