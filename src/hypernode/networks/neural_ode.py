@@ -82,6 +82,7 @@ def flow(
 
     @jax.checkpoint
     def step(h, _):
+        """One step of RK4."""
         # Reverse mode sums what a weight does in the four stages before it sums over the axes that share the weight.
         wide = [[[jnp.broadcast_to(weight, shape) for weight in row] for row in matrix] for matrix in matrices]
         k1 = right_hand_side(h, wide)

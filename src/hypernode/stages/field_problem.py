@@ -101,10 +101,7 @@ class FieldProblem:
         relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
         self._edge_forces(measurement, np.maximum(relative, float(measurement.attrs["force_uncertainty"])))
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
-        self._shares = np.ones(len(self.u))
-        for test in range(self.loading.test.max() + 1 if self.noisy else 0):
-            steps = self.loading.test == test
-            self._shares[steps] = quadrature(self.loading.t[steps])
+        self._shares = self._quadrature() if self.noisy else np.ones(len(self.u))
         self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
         self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
         self._gradients, self._weights = self.solver.shape_gradients
@@ -118,6 +115,14 @@ class FieldProblem:
     def cost_of_noise(self) -> float:
         """Half the number of measured displacements: what noise of the assumed size costs at the true field."""
         return 0.5 * sum(len(seen) for seen in self.seen)
+
+    def _quadrature(self) -> Float[np.ndarray, " step"]:
+        """Weight of every step, so that a few steps of each test stand for all of its steps."""
+        shares = np.empty(len(self.u))
+        for test in np.unique(self.loading.test):
+            steps = self.loading.test == test
+            shares[steps] = quadrature(self.loading.t[steps])
+        return shares
 
     def _hold(self, measurement, noise: float) -> None:
         """Prescribed, free and seen degrees of freedom of every step, and how wrong the prescribed ones may be.

@@ -29,14 +29,16 @@ def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
     Args:
         sizes: load of every step.
     """
-    every = np.ones(len(sizes))
-    best, rule = np.inf, every
+    best, rule = np.inf, np.ones(len(sizes))
+    if len(sizes) <= 2:
+        return rule
+    moments = sizes ** np.arange(5)[:, None]
+    total = moments.sum(axis=1)
     for pair in map(list, combinations(range(len(sizes)), 2)):
-        moments = sizes ** np.arange(5)[:, None]
-        if len(sizes) == 2 or np.ptp(sizes[pair]) == 0.0:
+        if np.ptp(sizes[pair]) == 0.0:
             continue
-        weights = np.linalg.solve(moments[2:4, pair], moments[2:4].sum(axis=1))
-        error = np.abs(moments[[0, 4]][:, pair] @ weights / moments[[0, 4]].sum(axis=1) - 1.0).sum()
+        weights = np.linalg.solve(moments[2:4, pair], total[2:4])
+        error = np.abs(moments[[0, 4]][:, pair] @ weights / total[[0, 4]] - 1.0).sum()
         if weights.min() > 0.0 and error < best:
             best, rule = error, np.zeros(len(sizes))
             rule[pair] = weights
