@@ -16,7 +16,9 @@ from hypernode.workflow import (
     figure_runs,
     image_files,
     method_settings,
+    only_pretrained,
     present_cases,
+    previous_input,
     printed_input,
     reference_inputs,
     specimen_files,
@@ -50,7 +52,10 @@ SYNTHETIC = [name for name in CASES if CONFIG.cases[name].specimen is None]
 REAL = [name for name in CASES if CONFIG.cases[name].specimen is not None]
 RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].methods]
 BASELINES = [name for name, method in CONFIG.methods.items() if method.baseline]
-TRAINED = [name for name in CONFIG.methods if name not in BASELINES]
+ONLY_PRETRAINED = [name for name in CONFIG.methods if only_pretrained(CONFIG, name)]
+FULLY_TRAINED = [
+    name for name in CONFIG.methods if name not in (*BASELINES, *ONLY_PRETRAINED)
+]
 FIGURES = figure_runs(CONFIG, CASES)
 CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
 

@@ -58,6 +58,8 @@ def stages(config, case: str, method_name: str, measurement: str, folder: Path):
     previous = None
     for stage in (initialisation, pretraining, training):
         name = stage.__name__.rsplit(".", 1)[1]
+        if not getattr(method, name).iterations:
+            continue
         output = str(folder / f"{name}.nc")
         given = files if previous is None else {**files, "previous": previous}
         yield (

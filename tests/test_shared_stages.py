@@ -3,7 +3,7 @@
 import copy
 
 from hypernode.config_loader import check_config
-from hypernode.workflow import field_inputs, stage_file
+from hypernode.workflow import field_inputs, only_pretrained, previous_input, stage_file
 from tests.test_config import BASE
 
 
@@ -22,6 +22,18 @@ def test_a_stage_is_shared_until_the_first_setting_that_differs():
     assert stage_file(config, "a", "longer", "material") == "results/a/longer/material.nc"
     assert stage_file(config, "a", "wider", "interpolant") == "results/a/m/interpolant.nc"
     assert stage_file(config, "a", "wider", "homogenised") == "results/a/wider/homogenised.nc"
+
+
+def test_a_stage_without_iterations_is_left_out():
+    idle = {"iterations": 0}
+    config = config_with(short={"training": idle}, shorter={"training": idle, "initialisation": idle})
+    assert only_pretrained(config, "short") and not only_pretrained(config, "m")
+    assert previous_input(config, "a", "m", "material") == {"previous": "results/a/m/pretrained.nc"}
+    assert previous_input(config, "a", "short", "pretrained") == {"previous": "results/a/m/initialised.nc"}
+    assert previous_input(config, "a", "shorter", "pretrained") == {}
+    assert stage_file(config, "a", "shorter", "pretrained") == "results/a/shorter/material.nc"
+    config = config_with(untaught={"pretraining": idle})
+    assert previous_input(config, "a", "untaught", "material") == {"previous": "results/a/m/initialised.nc"}
 
 
 def test_another_seed_or_another_equilibrium_field_shares_nothing_that_depends_on_it():

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from functools import partial
 from pathlib import Path
 
 import jax
@@ -60,44 +61,44 @@ class Material:
     def __init__(self, params_at, stress, energy, units: dict[str, str]):
         self._params_at, self.units = params_at, units
         self._stress, self._energy = jax.jit(stress), jax.jit(energy)
-        self._tangent = jax.jit(lambda F, params: _tangent(stress, F, params))
+        self._tangent = jax.jit(partial(_tangent, stress))
 
-    @staticmethod
-    def _check(X, F):
+    def _evaluate(self, function, X, F):
+        """``function`` of every state F [..., n, i, J], one after the other: it is compiled once for any number."""
         X, F = jnp.asarray(X), jnp.asarray(F)
-        if X.ndim != 2 or X.shape[1] != 2 or F.shape != (len(X), 2, 2):
-            raise ValueError(f"X must be (n, 2) and F (n, 2, 2), not {X.shape} and {F.shape}")
-        return X, jnp.moveaxis(F, 0, -1)
+        if X.ndim != 2 or X.shape[1] != 2 or F.shape[-3:] != (len(X), 2, 2):
+            raise ValueError(f"X must be (n, 2) and F (..., n, 2, 2), not {X.shape} and {F.shape}")
+        params = self._params_at(X)
+        states = jnp.moveaxis(F.reshape(-1, *F.shape[-3:]), 1, -1)
+        found = jnp.stack([jnp.moveaxis(function(state, params), -1, 0) for state in states])
+        return found.reshape(*F.shape[:-2], *found.shape[2:])
 
-    def energy(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, " n"]:
+    def energy(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n"]:
         """Energy density Psi(X, F), zero at F = I.
 
         Args:
             X: positions, in the length unit of the test.
-            F: in-plane deformation gradients.
+            F: in-plane deformation gradients, of one or more states of all positions.
         """
-        X, F = self._check(X, F)
-        return self._energy(F, self._params_at(X))
+        return self._evaluate(self._energy, X, F)
 
-    def stress(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, "n 2 2"]:
-        """First Piola-Kirchhoff stress P[n, i, J]; arguments as in :meth:`energy`."""
-        X, F = self._check(X, F)
-        return jnp.moveaxis(self._stress(F, self._params_at(X)), -1, 0)
+    def stress(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2"]:
+        """First Piola-Kirchhoff stress P[..., n, i, J]; arguments as in :meth:`energy`."""
+        return self._evaluate(self._stress, X, F)
 
-    def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "n 2 2"]) -> Float[Array, "n 2 2 2 2"]:
-        """dP_iJ/dF_kL as [n, i, J, k, L]; arguments as in :meth:`energy`."""
-        X, F = self._check(X, F)
-        return jnp.moveaxis(self._tangent(F, self._params_at(X)), (4, 2, 3, 0, 1), (0, 1, 2, 3, 4))
+    def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2 2 2"]:
+        """dP_iJ/dF_kL as [..., n, i, J, k, L]; arguments as in :meth:`energy`."""
+        return self._evaluate(self._tangent, X, F)
 
 
 def _tangent(stress, F, params):
-    """dP_iJ/dF_kL as [k, L, i, J, n], by one forward derivative for each of the four directions."""
+    """dP_iJ/dF_kL as [i, J, k, L, n], by one forward derivative for each of the four directions."""
     columns = [
         jax.jvp(lambda F: stress(F, params), (F,), (jnp.zeros_like(F).at[k, L].set(1.0),))[1]
         for k in range(2)
         for L in range(2)
     ]
-    return jnp.stack(columns).reshape(2, 2, *columns[0].shape)
+    return jnp.stack(columns, axis=2).reshape(2, 2, 2, 2, -1)
 
 
 def nearest_cell(file: xr.Dataset):

@@ -25,49 +25,52 @@ def mode_gradients(stretches) -> np.ndarray:
 
 def stress_at_common_F(material: Material, X, F) -> np.ndarray:
     """P[mode, stretch, cell, i, J] when every point undergoes the same F[mode, stretch]."""
-    P = [material.stress(X, jnp.broadcast_to(f, (len(X), 2, 2))) for f in F.reshape(-1, 2, 2)]
-    return np.stack([np.asarray(p, float) for p in P]).reshape(*F.shape[:2], len(X), 2, 2)
+    return np.asarray(material.stress(X, jnp.broadcast_to(F[:, :, None], (*F.shape[:2], len(X), 2, 2))), float)
 
 
-def uniaxial_stress(material: Material, X, stretch: float, axis: int) -> np.ndarray:
-    """Normal stresses (point, 2) under a uniaxial *stress* along ``axis`` at the given stretch.
+def equibiaxial_stress(material: Material, X, stretches) -> np.ndarray:
+    """P[stretch, point, i, J] when every point is stretched alike in both directions."""
+    return stress_at_common_F(material, X, np.asarray(stretches)[None, :, None, None] * np.eye(2))[0]
+
+
+def uniaxial_stress(material: Material, X, stretches, axis: int) -> np.ndarray:
+    """Normal stresses (stretch, point, 2) under a uniaxial *stress* along ``axis`` at the given stretches.
 
     The transverse stretch follows from a vanishing transverse stress by Newton's method.
     """
     across = 1 - axis
-    transverse = np.full(len(X), stretch**-0.5)
+    along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
+    transverse = along**-0.5
     for _ in range(30):
-        F = np.zeros((len(X), 2, 2))
-        F[:, axis, axis], F[:, across, across] = stretch, transverse
+        F = np.zeros((*along.shape, 2, 2))
+        F[..., axis, axis], F[..., across, across] = along, transverse
         P = np.asarray(material.stress(X, F), float)
-        slope = np.asarray(material.tangent(X, F), float)[:, across, across, across, across]
-        step = P[:, across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
+        slope = np.asarray(material.tangent(X, F), float)[..., across, across, across, across]
+        step = P[..., across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
         transverse = np.clip(transverse - step, 0.3, 3.0)
         if np.abs(step).max() < 1e-7:
             break
-    return np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1)
+    return np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
 
 
 def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
     """Normal stresses (location, stretch, 2) along the stretch of the test's own kind."""
-    found = []
-    for s in stretches:
-        if kind in ("equibiaxial", "biaxial", "shear"):
-            P = np.asarray(material.stress(X, np.tile(np.diag([s, s]), (len(X), 1, 1))), float)
-            found.append(np.stack([P[:, 0, 0], P[:, 1, 1]], axis=1))
-        else:
-            found.append(uniaxial_stress(material, X, float(s), 0 if kind.endswith("x") else 1))
-    return np.stack(found, axis=1)
+    if kind in ("equibiaxial", "biaxial", "shear"):
+        P = equibiaxial_stress(material, X, stretches)
+        found = np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
+    else:
+        found = uniaxial_stress(material, X, stretches, 0 if kind.endswith("x") else 1)
+    return np.moveaxis(found, 0, 1)
 
 
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
     """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
     stress in uniaxial tension for uniaxial tests."""
     if kind in ("equibiaxial", "biaxial", "shear"):
-        P = np.asarray(material.stress(X, np.tile(np.diag([stretch, stretch]), (len(X), 1, 1))), float)
+        P = equibiaxial_stress(material, X, [stretch])[0]
         return P[:, 0, 0] + P[:, 1, 1]
     axis = 0 if kind.endswith("x") else 1
-    return uniaxial_stress(material, X, stretch, axis)[:, axis]
+    return uniaxial_stress(material, X, [stretch], axis)[0, :, axis]
 
 
 def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:
@@ -76,7 +79,7 @@ def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarr
     The anisotropy is the difference of the principal stresses over their sum: zero for an isotropic
     material, however it is described. The angle, from -90 to 90, means nothing where it vanishes.
     """
-    P = np.asarray(material.stress(X, np.tile(np.diag([stretch, stretch]), (len(X), 1, 1))), float)
+    P = equibiaxial_stress(material, X, [stretch])[0]
     difference, shear = P[:, 0, 0] - P[:, 1, 1], P[:, 0, 1] + P[:, 1, 0]
     anisotropy = np.hypot(difference, shear) / np.maximum(np.abs(P[:, 0, 0] + P[:, 1, 1]), 1e-300)
     return anisotropy, np.rad2deg(0.5 * np.arctan2(shear, difference))

@@ -75,7 +75,28 @@ def stage_file(config: Config, case: str, method: str, stage: str) -> str:
         wanted = [getattr(config.methods[method], key) for key in keys]
         same = [m for m in config.cases[case].methods if [getattr(config.methods[m], key) for key in keys] == wanted]
         method = next(iter(same), method)
+    if stage == "pretrained" and only_pretrained(config, method):
+        stage = "material"
     return f"results/{case}/{method}/{stage}.nc"
+
+
+def only_pretrained(config: Config, method: str) -> bool:
+    """Whether the hyper-network that pre-training leaves is the method's result."""
+    settings = config.methods[method]
+    return bool(settings.pretraining and settings.pretraining.iterations and not settings.training.iterations)
+
+
+def previous_input(config: Config, case: str, method: str, stage: str) -> dict[str, str]:
+    """The hyper-network that a stage goes on with, as a named input.
+
+    It is that of the last stage before it that has iterations; where none has, there is none.
+    """
+    trained = {"initialised": "initialisation", "pretrained": "pretraining"}
+    before = SHARED[: tuple(STAGE_SETTINGS).index(stage)]
+    for earlier in reversed([name for name in before if name in trained]):
+        if getattr(config.methods[method], trained[earlier]).iterations:
+            return {"previous": stage_file(config, case, method, earlier)}
+    return {}
 
 
 def field_inputs(config: Config, case: str, method: str, *keys: str) -> dict[str, str]:

@@ -40,7 +40,7 @@ rule initialisation:
 rule pretraining:
     input:
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
-        previous=lambda w: stage_file(CONFIG, w.case, w.method, "initialised"),
+        unpack(lambda w: previous_input(CONFIG, w.case, w.method, "pretrained")),
     output:
         ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
     log:
@@ -54,10 +54,18 @@ rule pretraining:
         "../scripts/pretraining.py"
 
 
+# Where nothing trains it further, the pre-trained network is the result.
+use rule pretraining as only_pretraining with:
+    output:
+        ensure("results/{case}/{method}/material.nc", non_empty=True),
+    wildcard_constraints:
+        method="|".join(map(re.escape, ONLY_PRETRAINED)) or "none",
+
+
 rule training:
     input:
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
-        previous=lambda w: stage_file(CONFIG, w.case, w.method, "pretrained"),
+        unpack(lambda w: previous_input(CONFIG, w.case, w.method, "material")),
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
     log:
@@ -65,7 +73,7 @@ rule training:
     benchmark:
         "results/benchmarks/{case}/{method}/training.jsonl"
     wildcard_constraints:
-        method="|".join(map(re.escape, TRAINED)) or "none",
+        method="|".join(map(re.escape, FULLY_TRAINED)) or "none",
     params:
         code=CODE["training"],
         settings=lambda w: method_settings(CONFIG, w.method, "material"),

@@ -59,7 +59,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
             fibre = np.deg2rad(_true_angle(data, point))
             for axes, turn in ((e, fibre), (f, fibre + np.pi / 2)):
                 for material, style, kind in ((found, "-", "identified"), (true, "o", "truth")):
-                    values = [_along(material, point, s, turn) for s in stretches]
+                    values = _along(material, point, stretches, turn)
                     axes.plot(stretches, values, style, color=colour, ms=3, mfc="none", label=f"{name}, {kind}")
         titles = (
             f"strain at {data['stretch'].values[settings['step']]:.3g}",
@@ -88,8 +88,8 @@ def _true_angle(data, point) -> float:
     return float(data["fibre_angle_true"].values[cell]) if data["anisotropy_true"].values[cell] > 1e-6 else 0.0
 
 
-def _along(material, point, stretch: float, angle: float) -> float:
-    """Uniaxial stress of one point in a direction: the material turned by -angle, pulled along x."""
+def _along(material, point, stretches, angle: float) -> np.ndarray:
+    """Uniaxial stress (stretch,) of one point in a direction: the material turned by -angle, pulled along x."""
 
     class Turned:
         def stress(self, X, F):
@@ -97,8 +97,8 @@ def _along(material, point, stretch: float, angle: float) -> float:
 
         def tangent(self, X, F):
             A = np.asarray(material.tangent(X, R @ F @ R.T), float)
-            return np.einsum("ia,jb,kc,ld,nijkl->nabcd", R, R, R, R, A)
+            return np.einsum("ia,jb,kc,ld,...ijkl->...abcd", R, R, R, R, A)
 
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s], [s, c]])
-    return float(uniaxial_stress(Turned(), np.asarray(point)[None], stretch, 0)[0, 0])
+    return uniaxial_stress(Turned(), np.asarray(point)[None], stretches, 0)[:, 0, 0]

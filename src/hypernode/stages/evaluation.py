@@ -117,7 +117,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     stretches = np.array(case.judged_stretches or measurement["stretch"].values[loading.test == 0])
     F = mode_gradients(stretches)
     F_seen = np.moveaxis(field_gradient(deformation), (0, 1), (2, 3))
-    P_field = np.stack([np.asarray(found.stress(X, f), float) for f in F_seen])
+    P_field = np.asarray(found.stress(X, F_seen), float)
     shape_stretch = min(SHAPE_STRETCH, largest)
     field = indicator(found, X, kind, shape_stretch)
     shape = find_inclusion(mesh, field)

@@ -12,7 +12,7 @@ from hypernode.material import node_stress
 from hypernode.mechanics.kinematics import invariants
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
-from hypernode.stages.optimisation import minimise
+from hypernode.stages.optimisation import data_as_arguments, minimise
 from hypernode.storage.netcdf import read, units_of, write
 
 #: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
@@ -29,7 +29,7 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
     measurement, field = read(measurement_file), read(field_file)
     loading, mesh = Loading.of(measurement), mesh_of(measurement)
     mean_F = jnp.asarray(mean_gradient(mesh, field_gradient(field)), jnp.float32)
-    largest = max(float(jnp.max(invariants(mean_F, jnp.zeros(()))[k])) - 3.0 for k in range(2))
+    largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
     node = NodeMaterial(
         tuple(method.node.terms),
         tuple(method.node.hidden),
@@ -57,12 +57,13 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
     params, history, iterations = minimise(
         loss, start, method.homogenised, stage="homogenised NODE", case=name, seed=method.seed
     )
+    evaluate, data = data_as_arguments(predicted, params)
     write(
         output,
         {
             "node_params": params,
             "P_average": loading.P_average,
-            "P_homogenised": np.asarray(predicted(params)),
+            "P_homogenised": np.asarray(jax.jit(evaluate)(data, params)),
             "loss": history,
             "loss_iteration": iterations,
         },

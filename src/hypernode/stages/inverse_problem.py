@@ -15,6 +15,7 @@ from hypernode.config import Frequencies, Method
 from hypernode.material import mean_of_parts, node_stress
 from hypernode.mechanics.equilibrium import EquilibriumGap
 from hypernode.mechanics.mesh import Mesh
+from hypernode.networks.fourier_mlp import FourierMLP
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
 from hypernode.probes import mode_gradients
@@ -23,6 +24,9 @@ from hypernode.storage.netcdf import read, units_of, write
 
 #: Sizes of the homogeneous modes that pre-training learns, as shares of the largest stretch of the test.
 MODE_SIZES = np.array([0.08, 0.5, 1.0])
+#: Factor on the random kernel of a new network's last layer: small, so that the start is nearly homogeneous,
+#: and not zero, so that gradients reach the layers below.
+LAST_KERNEL = 0.01
 
 
 @dataclasses.dataclass
@@ -80,6 +84,7 @@ class InverseProblem:
     length: float
     units: dict
     hypernetwork: str
+    seed: int
     stretch: float
     files: Mapping[str, str]
 
@@ -107,6 +112,7 @@ class InverseProblem:
             length,
             units_of(measurement),
             method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields)),
+            method.seed,
             float(measurement["stretch"].values.max()),
             files,
         )
@@ -126,13 +132,19 @@ class InverseProblem:
         """(settings, inputs beside the position, outputs) of the hyper-network."""
         return Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size
 
-    def new_network(self, seed: int):
-        """A hyper-network with random weights; its width follows from the NODE architecture."""
-        return make_network(*self._architecture, seed)
+    def _new_network(self) -> FourierMLP:
+        """A hyper-network with random weights that gives nearly the homogenised parameters everywhere."""
+        network = make_network(*self._architecture, self.seed + 1)
+        last = network.layers[-1]
+        last.bias[...] = self.centre
+        last.kernel[...] = LAST_KERNEL * last.kernel[...]
+        return network
 
     def trainable(self):
-        """(params, params -> network) of the network that the stage before left, ``files["previous"]``."""
-        return split_trainable(from_arrays(*self._architecture, read(self.files["previous"]), "hypernetwork"))
+        """(params, params -> network) of what an earlier stage left, ``files["previous"]``, or else of a new one."""
+        if "previous" in self.files:
+            return split_trainable(from_arrays(*self._architecture, read(self.files["previous"]), "hypernetwork"))
+        return split_trainable(self._new_network())
 
     def target(self) -> "Target":
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.

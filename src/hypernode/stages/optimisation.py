@@ -23,16 +23,16 @@ def make_optimiser(algorithm: str, learning_rate: float, iterations: int) -> opt
     return optax.contrib.muon(schedule) if algorithm == "muon" else optax.adam(schedule)
 
 
-def data_as_arguments(loss: Callable, params, key):
-    """(function of (data, params, key), data) for a loss that closes over its data.
+def data_as_arguments(function: Callable, *arguments):
+    """(function of (data, *arguments), data) for a function of one value that closes over its data.
 
     Arrays that a compiled function closes over are part of its program, so that every case would compile its own.
     As arguments they are not, and cases of the same shapes share what was compiled once.
     """
-    traced = jax.make_jaxpr(loss)(params, key)
+    traced = jax.make_jaxpr(function)(*arguments)
 
-    def evaluate(data, params, key):
-        (value,) = jax.core.eval_jaxpr(traced.jaxpr, data, *jax.tree.leaves((params, key)))
+    def evaluate(data, *arguments):
+        (value,) = jax.core.eval_jaxpr(traced.jaxpr, data, *jax.tree.leaves(arguments))
         return value
 
     return evaluate, traced.consts

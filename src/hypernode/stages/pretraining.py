@@ -14,7 +14,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     The target is P_ave(t_j) (equation ``pre-training1-6``), or the stress of the constrained field.
 
     Args:
-        files: paths, see :meth:`InverseProblem.load`; ``previous`` is the initialised network.
+        files: paths, see :meth:`InverseProblem.load`; ``previous`` is the initialised network, if any.
     """
     problem = InverseProblem.load(method, name, files)
     params, apply = problem.trainable()

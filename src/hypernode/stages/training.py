@@ -198,7 +198,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     """Train the hyper-network on equilibrium and resultants (equation ``main_loss_function``).
 
     Args:
-        files: paths, see :meth:`InverseProblem.load`; ``previous`` is the pre-trained network.
+        files: paths, see :meth:`InverseProblem.load`; ``previous`` is the network of the last stage before, if any.
     """
     problem = InverseProblem.load(method, name, files)
     params, apply = problem.trainable()
