@@ -16,7 +16,7 @@ from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
 from hypernode.mechanics.mesh import rectilinear
 from hypernode.stages.constrained import identify
-from hypernode.stages.descent import _first_field, descend
+from hypernode.stages.descent import Plateau, _first_field, descend
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.stages.observation import window_average
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
@@ -66,14 +66,13 @@ def test_a_descent_begins_anew_where_no_equilibrium_is_near_that_of_the_terms_be
     data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1]))
     settings = Constrained(terms=["I1_squared"], iterations=3)
     problem = FieldProblem(data, settings)
-    before = descend(FieldProblem(data, Constrained(terms=[])), settings, "square", None, None, 0.0)
+    before = descend(FieldProblem(data, Constrained(terms=[])), settings, "square", None, (), 0.0)
     torn = [dataclasses.replace(state, u=state.u.copy()) for state in before.states]
     for state in torn:
         state.u.ravel()[state.free] = np.random.default_rng(1).normal(size=len(state.free))
     assert problem.states(np.tile(problem.homogeneous, (25, 1)), [state.u for state in torn]) is None
     found, anew = (
-        descend(problem, settings, "square", each, None, 0.0)
-        for each in (dataclasses.replace(before, states=torn), None)
+        descend(problem, settings, "square", each, (), 0.0) for each in (dataclasses.replace(before, states=torn), None)
     )
     assert np.array_equal(found.params, anew.params)
 
@@ -131,6 +130,15 @@ def test_a_draw_changes_the_stress_to_first_order_so_that_parameters_that_trade_
     assert drawn_material(file.drop_vars([f"draw.{name}" for name in basis.names])) is None
 
 
+def test_a_descent_waits_for_further_terms_where_it_is_stuck_above_the_noise_with_much_left():
+    stuck = Plateau(0.02, 5, above=1.05, left=0.3)
+    start, still = [80.0, 20.0, 9.0, 5.0, 3.0, 1.89], [1.88, 1.88, 1.87, 1.87, 1.86]
+    assert stuck.reached(start + still, data_share=0.5)
+    assert not stuck.reached(start + still, data_share=0.1)
+    assert not stuck.reached(start + still[:-1], data_share=0.5), "one of the five iterations was the fall itself"
+    assert not stuck.reached([0.5 * misfit for misfit in start + still], data_share=0.5), "nothing but noise is left"
+
+
 def test_a_second_family_needs_a_first():
     with pytest.raises(ValidationError, match="add fibre to terms"):
         Constrained(terms=["I2"], further_terms=["across"])
@@ -174,7 +182,7 @@ def test_a_descent_that_noise_holds_up_is_shaken_into_a_better_field_and_a_clean
     load, settings = make_load("equibiaxial", [1.1, 1.2]), Constrained(terms=[], iterations=15)
     data, _, true = sheet(12, square, load, noise=1e-2, seed=1)
     found = identify(data, settings, "square")
-    once = descend(found.problem, settings, "square", None, None, settings.tolerance)
+    once = descend(found.problem, settings, "square", None, (), settings.tolerance)
     assert found.cost < once.cost - 10.0
 
     def error(params):
@@ -183,7 +191,7 @@ def test_a_descent_that_noise_holds_up_is_shaken_into_a_better_field_and_a_clean
     assert error(found.params) < 0.7 * error(once.params)
     data, _, _ = sheet(12, square, load)
     found = identify(data, settings, "square")
-    once = descend(found.problem, settings, "square", None, None, settings.tolerance)
+    once = descend(found.problem, settings, "square", None, (), settings.tolerance)
     assert np.array_equal(found.history, once.history)
 
 
@@ -223,7 +231,7 @@ def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough
         stiffness = np.exp(level)
         return np.abs(stiffness / np.median(stiffness[share == 0.0]) - (1.0 + share))[cut].mean()
 
-    undivided = descend(FieldProblem(data, settings), settings, "shifted", None, None, settings.tolerance)
+    undivided = descend(FieldProblem(data, settings), settings, "shifted", None, (), settings.tolerance)
     assert error(np.log(np.exp(found.params[:, 0][parts]).mean(axis=1))) < 0.85 * error(undivided.params[:, 0])
     noisy = identify(data.assign_attrs(displacement_noise=1e-2), settings, "shifted")
     assert not noisy.problem.divided, "what noise hides is not looked for"

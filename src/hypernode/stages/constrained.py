@@ -19,7 +19,7 @@ import numpy as np
 
 from hypernode.basis_file import basis_content
 from hypernode.config import Constrained
-from hypernode.stages.descent import UNEXPLAINED, Found, Plateau, descend, described
+from hypernode.stages.descent import CLOSE, MUCH_LEFT, UNEXPLAINED, Found, Plateau, descend, described
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -36,9 +36,9 @@ SHAKES = ((0.2, 1.0, 6), (1.0, 10.0, 4))
 PARTS, MOST_PARTS, PARTS_ITERATIONS = 2, 16000, 12
 #: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than
 #: ``PLAIN_TOLERANCE`` in one iteration.
-PLAIN_PLATEAU, PLAIN_TOLERANCE = Plateau(0.2, 3), 3e-3
-#: Where further terms may follow, a test that is not explained waits for them there.
-UNEXPLAINED_PLATEAU = Plateau(0.1, 5, above=UNEXPLAINED)
+PLAIN_PLATEAUS, PLAIN_TOLERANCE = (Plateau(0.2, 3),), 3e-3
+#: Where further terms may follow, a test that is not explained waits for them there, or where it is stuck.
+FURTHER_PLATEAUS = Plateau(0.1, 5, above=UNEXPLAINED), Plateau(0.02, 5, above=CLOSE, left=MUCH_LEFT)
 
 
 def identify(measurement, settings: Constrained, name: str) -> Found:
@@ -58,8 +58,8 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     def problem_of(*terms):
         return FieldProblem(measurement, settings.model_copy(update={"terms": list(terms)}))
 
-    def with_terms(terms, before, plateau, tolerance=settings.tolerance):
-        reached = descend(problem_of(*terms), settings, name, before, plateau, tolerance)
+    def with_terms(terms, before, plateaus, tolerance=settings.tolerance):
+        reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance)
         path = [] if before is None else [before.history]
         return dataclasses.replace(reached, history=np.concatenate([*path, reached.history]))
 
@@ -67,12 +67,12 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
 
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
-    further = UNEXPLAINED_PLATEAU if settings.further_terms else None
+    further = FURTHER_PLATEAUS if settings.further_terms else ()
     if settings.terms == first:
         plain = with_terms(first, None, further)
         tried = [plain]
     else:
-        plain = with_terms(first, None, PLAIN_PLATEAU, PLAIN_TOLERANCE)
+        plain = with_terms(first, None, PLAIN_PLATEAUS, PLAIN_TOLERANCE)
         tried = [plain]
         if plain.data_share >= NOTHING_LEFT:
             tried = [with_terms(settings.terms, plain, further)]
@@ -82,9 +82,9 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
     terms = [*settings.terms, *settings.further_terms]
     if settings.further_terms and found.wanting:
         soon = [term for term in terms if term != LAST]
-        tried = [found, with_terms(soon, plain, further if LAST in terms else None)]
+        tried = [found, with_terms(soon, plain, further if LAST in terms else ())]
         if LAST in terms:
-            tried.append(with_terms(terms, tried[-1], None))
+            tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(tried)
     found = _shaken(found, settings, name)
     found = _divided(found, measurement, settings, name)
@@ -111,8 +111,8 @@ def _shaken(found: Found, settings: Constrained, name: str) -> Found:
             "jump_scale": scale * settings.jump_scale,
             "iterations": min(iterations, settings.iterations),
         }
-        away = descend(found.problem, settings.model_copy(update=other), name, found, None, 0.0)
-        back = descend(found.problem, settings, name, away, None, settings.tolerance)
+        away = descend(found.problem, settings.model_copy(update=other), name, found, (), 0.0)
+        back = descend(found.problem, settings, name, away, (), settings.tolerance)
         history = np.concatenate([found.history, away.history, back.history])
         found = min(found, dataclasses.replace(back, history=history), key=lambda each: each.cost)
     return found
@@ -129,7 +129,7 @@ def _divided(found: Found, measurement, settings: Constrained, name: str) -> Fou
         return found
     terms, iterations = list(found.problem.basis.terms), min(PARTS_ITERATIONS, settings.iterations)
     settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
-    finer = descend(FieldProblem(measurement, settings, PARTS), settings, name, found, None, settings.tolerance)
+    finer = descend(FieldProblem(measurement, settings, PARTS), settings, name, found, (), settings.tolerance)
     return dataclasses.replace(finer, history=np.concatenate([found.history, finer.history]))
 
 

@@ -48,16 +48,19 @@ class Plateau:
     Attributes:
         share, iterations: less than this share of the misfit in this many iterations, beyond the convex start.
         above: misfit below which it goes on regardless.
+        left: share of the cost that misfits have, below which it goes on as well.
     """
 
     share: float
     iterations: int
     above: float = 0.0
+    left: float = 0.0
 
-    def reached(self, history) -> bool:
-        """Whether the last misfit lies on it."""
-        followed = len(history) > CONVEX_ITERATIONS + self.iterations
-        return followed and history[-1] > max(self.above, (1.0 - self.share) * history[-1 - self.iterations])
+    def reached(self, history, data_share: float) -> bool:
+        """Whether the last misfit lies on it, which has that share of the cost."""
+        if len(history) <= CONVEX_ITERATIONS + self.iterations or data_share < self.left:
+            return False
+        return history[-1] > max(self.above, (1.0 - self.share) * history[-1 - self.iterations])
 
 
 class IdentificationError(ExpectedError, RuntimeError):
@@ -150,7 +153,7 @@ def descend(
     settings: Constrained,
     name: str,
     before: Found | None,
-    plateau: Plateau | None,
+    plateaus: tuple[Plateau, ...],
     tolerance: float,
 ) -> Found:
     """The parameter field whose equilibrium is closest to the data, and its states.
@@ -161,7 +164,7 @@ def descend(
     Args:
         before: what a descent found with these terms or fewer, of these cells or of those that they divide, to begin
             from; the homogeneous sheet without it.
-        plateau: where it ends early, if other terms may follow.
+        plateaus: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
 
@@ -172,7 +175,7 @@ def descend(
     states = problem.states(params, guesses)
     if states is None and before is not None:
         # Equilibrium under other terms may be out of reach of Newton's method from there.
-        return descend(problem, settings, name, None, plateau, tolerance)
+        return descend(problem, settings, name, None, plateaus, tolerance)
     if states is None:
         raise IdentificationError(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the held edges "
@@ -208,7 +211,10 @@ def descend(
             jumps.scale = settings.jump_scale
         else:
             settled = close and jumps.isotropic and cost - after < tolerance * problem.cost_of_noise
-            if (settled and jumps.smallest == finest) or (plateau and plateau.reached(history)):
+            if settled and jumps.smallest == finest:
+                break
+            data_share = objective.misfits(states, sigma) / after
+            if any(plateau.reached(history, data_share) for plateau in plateaus):
                 break
             jumps.smallest = finest if settled else jumps.smallest
         jumps.isotropic = jumps.isotropic or bool(close)
