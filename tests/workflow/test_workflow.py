@@ -137,6 +137,10 @@ def test_identified_and_true_material_answer_the_same_questions(smoke):
                 dP = (np.asarray(material.stress(X, F + d)) - np.asarray(material.stress(X, F - d))) / (2 * h)
                 np.testing.assert_allclose(dP, A[:, :, :, i, J], rtol=3e-2, atol=2e-2)
         assert np.abs(np.asarray(material.energy(X, np.tile(np.eye(2), (3, 1, 1))))).max() < 1e-6
+        states = np.array([[F, F + 0.01], [F - 0.01, F]])
+        for answer in (material.energy, material.stress, material.tangent):
+            one_by_one = [np.asarray(answer(X, state)) for state in states.reshape(4, 3, 2, 2)]
+            np.testing.assert_array_equal(np.asarray(answer(X, states)).reshape(np.shape(one_by_one)), one_by_one)
         with pytest.raises(ValueError, match="X must be"):
             material.stress(X[0], F)
 
