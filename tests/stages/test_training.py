@@ -28,7 +28,7 @@ def test_divergence_contracts_the_second_index_of_a_non_symmetric_stress():
     network = make_network(Frequencies(features=4, frequency_scale=0.3, widths=[5]), 0, NODE.size, 0)
     X = jnp.asarray(np.random.default_rng(0).uniform(0.2, 1.8, (6, 2)))
     unit = jnp.eye(2)
-    dF = [jax.jvp(gradient, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)]
+    dF = jnp.stack([jax.jvp(gradient, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
     found, P = divergence(SimpleNamespace(node=NODE, length=LENGTH), network, X / LENGTH, gradient(X), dF)
 
     def stress(X):

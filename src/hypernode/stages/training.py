@@ -109,20 +109,20 @@ def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = Fa
     Args:
         network: hyper-network.
         X: scaled positions (point, 2).
-        F, dF: deformation gradient [i, J, step, point] and its derivatives along the two *unscaled*
-            coordinates.
+        F, dF: deformation gradient [i, J, step, point] and its derivatives [k, i, J, step, point] along the two
+            *unscaled* coordinates.
         transposed: differentiate P^T instead, the slip whose effect is an ablation.
 
     Returns:
         (divergence[i, step, point], P).
     """
     node_params, along = jax.linearize(lambda X: network(X).T, X)
-    unit = jnp.eye(2)
-    dparams = [along(jnp.broadcast_to(unit[k], X.shape)) / problem.length for k in range(2)]
+    # Both coordinates at once: one by one a step takes a sixth longer.
+    dparams = jax.vmap(along)(jnp.broadcast_to(jnp.eye(2)[:, None], (2, *X.shape))) / problem.length
     P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
-    dP = [tangent(dF[k], dparams[k]) for k in range(2)]
+    dP = jax.vmap(tangent)(dF, dparams)
     if transposed:
-        dP = [jnp.swapaxes(d, 0, 1) for d in dP]
+        dP = jnp.swapaxes(dP, 1, 2)
     return dP[0][:, 0] + dP[1][:, 1], P
 
 
