@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from hypernode.material import node_stress, parameter_field
 from hypernode.mechanics.equilibrium import EDGE_NAMES
@@ -18,13 +19,15 @@ from hypernode.storage.netcdf import read, units_of, write
 PHASES = ("matrix", "inclusion")
 #: The identified field itself, in other frames of its own test.
 WHOLE = "whole"
+#: Quantiles of the stiffness of a phase whose cells together stand for it.
+MIDDLE = np.linspace(0.25, 0.75, 5)
 
 
-def typical_place(evaluation, phase: str):
-    """Centre (1, 2) of the cell whose indicator is the median of its phase.
+def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
+    """Centres of cells from the middle half of a phase by the indicator of its stiffness.
 
-    The identified stiffness varies over a phase by a tenth or more; no single place chosen by its position, such
-    as the one farthest from the outline, stands for it.
+    The identified stiffness varies over a phase by a tenth or more, and cells whose indicators are alike differ by some
+    per cent under other deformations: no single cell stands for a phase.
 
     Raises:
         ValueError: no cell belongs to the phase.
@@ -33,7 +36,7 @@ def typical_place(evaluation, phase: str):
     if not len(cells):
         raise ValueError(f"no cell was found to belong to the {phase}: there is nothing to compare with its sheet")
     order = cells[np.argsort(evaluation["trace_P"].values[cells], kind="stable")]
-    return mesh_of(evaluation).centres[order[[len(order) // 2]]]
+    return mesh_of(evaluation).centres[order[np.rint(MIDDLE * (len(order) - 1)).astype(int)]]
 
 
 def pulled_sheet(measurement, node, node_params, progress: Progress):
@@ -41,7 +44,8 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
 
     Args:
         measurement: measurement file of the sheet.
-        node, node_params: the material and its weights, at one point or at every cell's centre (cell, weight).
+        node, node_params: the material and its weights; the sheet responds as the mean of several places (place,
+            weight), or every cell as the mean of its own (cell, place, weight).
 
     Raises:
         ConvergenceError: a step has no equilibrium.
@@ -50,8 +54,8 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
     held = np.ones((len(EDGE_NAMES), 2))
     solver = EquilibriumSolver(
         mesh,
-        lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
-        {"node": jnp.broadcast_to(node_params, (len(mesh.cells), node_params.shape[-1]))},
+        lambda F, p: jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1),
+        {"node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:]))},
     )
     forces, noise = [], displacement_noise(measurement)
     for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
@@ -71,8 +75,8 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
 def run(name: str, references: Mapping[str, str], files: Mapping[str, str], output: str, attributes: dict) -> None:
     """Pull every reference sheet and compare its forces with those measured.
 
-    The material of a phase is the identified one at its typical place; the whole is the identified field. The error
-    is the root mean square over the largest measured force of the sheet.
+    The material of a phase is the mean of the identified ones at its typical places; the whole is the identified field.
+    The error is the root mean square over the largest measured force of the sheet.
 
     Args:
         name: case of the identified specimen.
@@ -87,8 +91,9 @@ def run(name: str, references: Mapping[str, str], files: Mapping[str, str], outp
     progress = Progress("references", name, sum(sheet.sizes["load_step"] for sheet in sheets))
     errors = {}
     for index, (phase, sheet) in enumerate(zip(phases, sheets, strict=True)):
-        places = mesh_of(sheet).centres if phase == WHOLE else typical_place(evaluation, phase)
-        forces = pulled_sheet(sheet, node, jnp.asarray(np.asarray(params_at(places).T, float)), progress)
+        places = mesh_of(sheet).centres if phase == WHOLE else typical_places(evaluation, phase)
+        node_params = np.asarray(params_at(places).T, float)
+        forces = pulled_sheet(sheet, node, node_params[:, None] if phase == WHOLE else node_params, progress)
         true = sheet["edge_force"].values
         known = np.isfinite(true)
         errors[phase] = float(np.sqrt(np.mean((forces - true)[known] ** 2)) / np.abs(true[known]).max())
