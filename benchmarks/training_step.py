@@ -17,6 +17,7 @@ import os
 import time
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:1])
@@ -27,6 +28,7 @@ jax.config.update("jax_enable_x64", True)
 
 import jax.numpy as jnp
 import numpy as np
+from flax import nnx
 
 from hypernode.config import Frequencies
 from hypernode.material import node_stress
@@ -38,7 +40,7 @@ from hypernode.networks.neural_ode import layer_sizes
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import INVARIANTS, TERMS
 from hypernode.networks.weights import make_network, split_trainable
-from hypernode.stages.training import mesh_gather
+from hypernode.stages.training import divergence, mesh_gather
 
 PAPER_TERMS = ("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w")
 STEPS = 4
@@ -49,13 +51,14 @@ def networks(dtype):
     """Interpolant and hyper-network of the paper's P example in one precision."""
     node = NodeMaterial(PAPER_TERMS, (4, 4), RK4_STEPS, 0.4, 1.0)
     hyper = make_network(Frequencies(features=40, frequency_scale=1.0, widths=[40, 40]), 0, node.size, 0)
-    hyper.layers[-1].bias[...] = node.initial_params(jax.random.key(0))
+    hyper.layers[-1].bias[...] = node.initial_params(jax.random.key(0)).astype(jnp.float32)
     hyper.layers[-1].kernel[...] = 0.01 * hyper.layers[-1].kernel[...]
     inter = make_network(Frequencies(features=100, frequency_scale=1.0, widths=[40, 40]), 1, 4, 1)
     result = []
     for network in (hyper, inter):
-        params, apply = split_trainable(network)
-        result += [jax.tree.map(lambda a: a.astype(dtype), params), apply]
+        graph, state = nnx.split(network)
+        # The frequencies as well, which are no parameters: one of them in double precision makes all that follows so.
+        result += split_trainable(nnx.merge(graph, jax.tree.map(lambda a: a.astype(dtype), state)))
     return node, *result
 
 
@@ -119,7 +122,7 @@ def published(X, t):
 
 
 def ours_exact(X, t):
-    """Gradient of the same loss with two forward tangents, float32, tabulated F and dF."""
+    """Gradient of the same loss with the pipeline's divergence, float32, tabulated F and dF."""
     node, hyper, apply_hyper, inter, apply_inter = networks(jnp.float32)
     X, t = X.astype(jnp.float32), t.astype(jnp.float32)
 
@@ -129,15 +132,12 @@ def ours_exact(X, t):
 
     unit = jnp.eye(2, dtype=jnp.float32)
     F = gradient(X)
-    dF = [jax.jvp(gradient, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)]
+    dF = jnp.stack([jax.jvp(gradient, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
+    problem = SimpleNamespace(node=node, length=1.0)
 
     def loss(params):
-        network = apply_hyper(params)
-        node_params, along = jax.linearize(lambda X: network(X).T, X)
-        dparams = [along(jnp.broadcast_to(unit[k], X.shape)) for k in range(2)]
-        _, tangent = jax.linearize(lambda F, p: node_stress(node, F, p), F, node_params)
-        dP = [tangent(dF[k], dparams[k]) for k in range(2)]
-        return jnp.mean(jnp.sum((dP[0][:, 0] + dP[1][:, 1]) ** 2, axis=0))
+        found, _ = divergence(problem, apply_hyper(params), X, F, dF)
+        return jnp.mean(jnp.sum(found**2, axis=0))
 
     return jax.jit(jax.value_and_grad(loss)), hyper
 
@@ -164,7 +164,7 @@ def ours_differences(X, t):
     def penalty(mesh, steps):
         interior = np.flatnonzero(np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes)) == 4)
         gather = mesh_gather(mesh, interior)
-        area = mesh.areas.mean()
+        area = float(mesh.areas.mean())
         return lambda P: sum(jnp.mean((gather(P[i]) / area) ** 2) for i in range(2))
 
     return on_a_grid(X, t, penalty)

@@ -192,7 +192,7 @@ class EquilibriumGap:
                 nothing is tied).
             scale: stress unit of each step.
         """
-        total = jnp.zeros(len(scale))
+        total = jnp.zeros_like(scale)
         for i in range(2):
             R = sum(self.work[i][J] @ P[i, J].T for J in range(2)) - self.loads[i][:, None] * resultant[:, i]
             total = total + _energies(R / (scale * self.area**0.5), self.compliance[i])

@@ -152,7 +152,7 @@ class NodeMaterial:
         values = self._function.slope(h, weights, self.hidden, self.steps)
         total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
         own = constants[len(self.constants) :]
-        term_share = jnp.exp(own) if self.scaled else jnp.full(len(self.terms), self.share)
+        term_share = jnp.exp(own) if self.scaled else jnp.full(len(self.terms), self.share, own.dtype)
         for index, share in enumerate(shares):
             for name, s in share.items():
                 total[name] = total[name] + term_share[index] * s * values[..., index, :]

@@ -118,7 +118,8 @@ def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = Fa
     """
     node_params, along = jax.linearize(lambda X: network(X).T, X)
     # Both coordinates at once: one by one a step takes a sixth longer.
-    dparams = jax.vmap(along)(jnp.broadcast_to(jnp.eye(2)[:, None], (2, *X.shape))) / problem.length
+    unit = jnp.eye(2, dtype=X.dtype)[:, None]
+    dparams = jax.vmap(along)(jnp.broadcast_to(unit, (2, *X.shape))) / problem.length
     P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
     dP = jax.vmap(tangent)(dF, dparams)
     if transposed:
