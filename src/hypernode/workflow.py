@@ -56,6 +56,8 @@ STAGE_SETTINGS = {
     "material": ("hypernetwork", "training", "prior_weight", "seed"),
     "baseline": ("baseline", "seed"),
 }
+#: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
+NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}
 #: Stages whose file methods share where all that decides it is the same.
 SHARED = tuple(STAGE_SETTINGS)[: tuple(STAGE_SETTINGS).index("pretrained") + 1]
 
@@ -91,10 +93,9 @@ def previous_input(config: Config, case: str, method: str, stage: str) -> dict[s
 
     It is that of the last stage before it that has iterations; where none has, there is none.
     """
-    trained = {"initialised": "initialisation", "pretrained": "pretraining"}
-    before = SHARED[: tuple(STAGE_SETTINGS).index(stage)]
-    for earlier in reversed([name for name in before if name in trained]):
-        if getattr(config.methods[method], trained[earlier]).iterations:
+    stages = list(NETWORK_STAGES)
+    for earlier in reversed(stages[: stages.index(stage)]):
+        if getattr(config.methods[method], NETWORK_STAGES[earlier]).iterations:
             return {"previous": stage_file(config, case, method, earlier)}
     return {}
 

@@ -76,6 +76,8 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     wanted |= {f"tables/{t}.{k}" for t in ("groups", "timing", "materials") for k in ("csv", "md", "tex")}
     wanted |= {"figures/disc.pdf", "figures/disc.png", "tables/summary.csv", "tables/summary.md"}
     assert wanted <= names
+    idle = {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in ("initialised", "pretrained")}
+    assert not idle & names, "stages without iterations are left out"
     assert not [name for name in names if ".tmp" in name]
 
 

@@ -109,7 +109,7 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
     return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
 
 
-def _nearest_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
+def _compliant_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
     """K^-1 R from the blocks of columns of K^-1."""
     ends = np.cumsum([block.shape[1] for block in compliance])[:-1]
     return sum(block @ part for block, part in zip(compliance, jnp.split(R, ends), strict=True))
@@ -118,11 +118,11 @@ def _nearest_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Arr
 @jax.custom_vjp
 def _energies(R: Float[Array, "test step"], compliance: tuple) -> Float[Array, " step"]:
     """R K^-1 R of each column, differentiated by R alone; the dense product is what costs, and one serves both."""
-    return jnp.sum(R * _nearest_field(compliance, R), axis=0)
+    return jnp.sum(R * _compliant_field(compliance, R), axis=0)
 
 
 def _energies_and_field(R, compliance):
-    field = _nearest_field(compliance, R)
+    field = _compliant_field(compliance, R)
     return jnp.sum(R * field, axis=0), field
 
 

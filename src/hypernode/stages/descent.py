@@ -213,8 +213,7 @@ def descend(
             settled = close and jumps.isotropic and cost - after < tolerance * problem.cost_of_noise
             if settled and jumps.smallest == finest:
                 break
-            data_share = objective.misfits(states, sigma) / after
-            if any(plateau.reached(history, data_share) for plateau in plateaus):
+            if any(plateau.reached(history, objective.misfits(states, sigma) / after) for plateau in plateaus):
                 break
             jumps.smallest = finest if settled else jumps.smallest
         jumps.isotropic = jumps.isotropic or bool(close)

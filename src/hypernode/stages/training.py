@@ -204,10 +204,6 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     problem = InverseProblem.load(method, name, files)
     params, apply = problem.trainable()
     settings = method.training
-    if settings.iterations == 0:
-        untrained = np.full(1, np.nan, np.float32), np.zeros(1, np.int64)
-        problem.save(output, apply(params), untrained, "identified material", attributes)
-        return
     physics = LOSSES[settings.equilibrium](problem, settings)
     F, steps = problem.F, problem.F.shape[2]
     if settings.variation_weight > 0:
