@@ -114,6 +114,17 @@ def test_what_is_not_a_configuration_is_refused(tmp_path, text, message):
         load_config(tmp_path / "c.yaml")
 
 
+@pytest.mark.parametrize("written", ["4e5", "4E5", "4.0e5", "4.e+5", "0.4e6", ".4e6", "400000"])
+def test_a_number_may_be_written_as_everywhere(tmp_path, written):
+    file = tmp_path / "config.yaml"
+    file.write_text(yaml.safe_dump(changed(("materials", "soft", "mu"), "MU")).replace("MU", written))
+    assert load_config(file).materials["soft"].parameters == {"mu": 4e5}
+
+
+def test_a_digit_is_a_glyph():
+    assert check_config(changed(("geometries", "disc"), {"shape": "glyph", "text": 8})).geometries["disc"].text == "8"
+
+
 def test_a_grid_makes_every_combination():
     config = copy.deepcopy(BASE)
     config["grid"] = [{

@@ -30,7 +30,9 @@ class Section(BaseModel):
 
 
 class Glyph(Section):
-    """A letter or word drawn from DejaVu Sans."""
+    """A letter, digit or word drawn from DejaVu Sans."""
+
+    model_config = ConfigDict(coerce_numbers_to_str=True)
 
     shape: Literal["glyph"]
     text: str = Field(min_length=1)

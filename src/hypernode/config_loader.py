@@ -80,8 +80,11 @@ def _near(value, allowed) -> str:
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """Safe YAML that refuses a key written twice, which YAML would silently let the last one win."""
+class _ConfigLoader(yaml.SafeLoader):
+    """Safe YAML that refuses a key written twice, which YAML would silently let the last one win.
+
+    4e5 and 7e-4 are numbers in it, as everywhere but in YAML 1.1, to which numbers have a point and exponents a sign.
+    """
 
     def construct_mapping(self, node, deep=False):
         """The mapping of a node, if no key of its own stands in it twice."""
@@ -98,6 +101,13 @@ class _UniqueKeyLoader(yaml.SafeLoader):
                 )
             seen.add(key)
         return super().construct_mapping(node, deep)
+
+
+_ConfigLoader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+$"),
+    list("-+.0123456789"),
+)
 
 
 def _line(root: yaml.Node | None, path) -> int | None:
@@ -181,7 +191,7 @@ def load_config(path: str | Path) -> Config:
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: cannot be read: {error}") from None
     try:
-        raw = yaml.load(text, Loader=_UniqueKeyLoader)  # noqa: S506 - a SafeLoader
+        raw = yaml.load(text, Loader=_ConfigLoader)  # noqa: S506 - a SafeLoader
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except (yaml.YAMLError, RecursionError, TypeError, ValueError) as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
