@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypernode.config_loader import ConfigError, check_config, load_config
 from hypernode.dic.davis import DicError, read_force_record, read_points
 from hypernode.errors import ExpectedError
-from hypernode.stages import import_dic
+from hypernode.stages import import_dic, truth
 from tests.dic.test_davis import config as specimen_config
 from tests.dic.test_davis import write_frame
 from tests.test_config import BASE, BROKEN, changed
@@ -158,6 +158,13 @@ def test_an_unreadable_mask_and_a_path_outside_end_without_traceback(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT / "src")})
     assert done.returncode != 0 and "mask.png: cannot be read as an image" in done.stderr
     assert not list((tmp_path / "results").rglob("*.nc*"))
+
+
+def test_a_shape_that_lies_in_no_cell_is_refused(tmp_path):
+    config = check_config(changed(("geometries", "disc", "radius"), 1e-3))
+    with pytest.raises(ValueError, match=r"the geometry 'disc' holds no cell's centre"):
+        truth.run(config, "a", str(tmp_path / "true_material.nc"), {})
+    assert not list(tmp_path.iterdir())
 
 
 SCALARS = st.none() | st.booleans() | st.integers(-5, 5) | st.floats(allow_nan=True) | st.text(max_size=6)

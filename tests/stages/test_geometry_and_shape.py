@@ -1,6 +1,7 @@
 """Shapes mean the same however they are drawn, and are found again from a field."""
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from hypernode.config import Disc, Glyph, Gradient, Ring
@@ -38,6 +39,34 @@ def test_a_shape_drawn_in_an_image_file_is_the_same_shape(tmp_path):
     Image.fromarray((255 * pixels).astype(np.uint8)).save(tmp_path / "disc.png")
     drawn = ImageShape(shape="image", path=str(tmp_path / "disc.png"))
     assert dice(cells(drawn), cells(disc)) > 0.99
+
+
+def test_a_mask_means_the_same_at_any_depth_and_on_any_background(tmp_path):
+    bright = np.zeros((40, 40), dtype=bool)
+    bright[5:20, 10:30] = True
+    white = np.full((40, 40), 255, dtype=np.uint8)
+    opaque = np.where(bright, white, 0)
+    drawings = {
+        "8 bits": (Image.fromarray(opaque), {}),
+        "16 bits": (Image.fromarray(np.where(bright, 60000, 300).astype(np.uint16)), {}),
+        "palette": (Image.fromarray(opaque).convert("P"), {}),
+        "dark on bright": (Image.fromarray(255 - opaque), {"invert": True}),
+        "white on nothing": (Image.fromarray(np.dstack([white, opaque])), {}),
+        "black on nothing": (Image.fromarray(np.dstack([0 * white, opaque])), {"invert": True}),
+        "labels 0 and 1": (Image.fromarray(bright.astype(np.uint8)), {"threshold": 0.002}),
+    }
+    for name, (picture, options) in drawings.items():
+        picture.save(tmp_path / "mask.png")
+        drawn = cells(ImageShape(shape="image", path=str(tmp_path / "mask.png"), **options))
+        x, y = MESH.centres.T
+        assert np.array_equal(drawn, (np.abs(x - 0.5) < 0.25) & (y > 0.5) & (y < 0.875)), name
+
+
+@pytest.mark.parametrize("level", [0, 255])
+def test_an_image_without_a_shape_is_refused(tmp_path, level):
+    Image.fromarray(np.full((4, 4), level, dtype=np.uint8)).save(tmp_path / "blank.png")
+    with pytest.raises(ValueError, match=r"blank\.png: (no|every) pixel belongs to the shape: luminance goes from"):
+        make_shape(ImageShape(shape="image", path=str(tmp_path / "blank.png")))
 
 
 def test_gradient_runs_from_zero_to_one():

@@ -58,29 +58,47 @@ def ring(inner_radius: float, outer_radius: float, centre=(0.5, 0.5)) -> Shape:
     return inside
 
 
+def _luminance_and_opacity(picture):
+    """Both of every pixel, from 0 to 1."""
+    if picture.mode.startswith("I"):
+        # Pillow would cut 16 bits off at what 8 bits hold.
+        deep = np.asarray(picture, dtype=float) / 65535.0
+        return deep, np.ones_like(deep)
+    return np.moveaxis(np.asarray(picture.convert("LA"), dtype=float) / 255.0, -1, 0)
+
+
 def image(path: str | Path, threshold: float = 0.5, invert: bool = False) -> Shape:
     """Bright pixels of an image stretched over the unit square, first row at the top.
 
     Args:
-        path: any format that Pillow reads; colour is reduced to luminance.
+        path: any format that Pillow reads; colour is reduced to luminance, and what is transparent is outside.
         threshold: luminance, from 0 to 1, above which a pixel belongs to the shape.
         invert: take the dark pixels instead.
+
+    Raises:
+        ValueError: the file is no image, or all or none of its pixels belong to the shape.
     """
     from PIL import Image
 
     try:
         with Image.open(path) as picture:
-            bright = np.asarray(picture.convert("L"), dtype=float) / 255.0 > threshold
+            luminance, opacity = _luminance_and_opacity(picture)
     except OSError as error:
         raise ValueError(f"{path}: cannot be read as an image: {error}") from None
-    bright = (~bright if invert else bright)[::-1]
+    chosen = ((luminance > threshold) != invert) & (opacity > 0.5)
+    if chosen.all() or not chosen.any():
+        raise ValueError(
+            f"{path}: {'every' if chosen.all() else 'no'} pixel belongs to the shape: luminance goes from "
+            f"{luminance.min():.3g} to {luminance.max():.3g}, so choose a threshold between, or invert"
+        )
+    chosen = chosen[::-1]
 
     def inside(X):
-        rows, columns = bright.shape
+        rows, columns = chosen.shape
         j = np.clip((X[:, 0] * columns).astype(int), 0, columns - 1)
         i = np.clip((X[:, 1] * rows).astype(int), 0, rows - 1)
         within = ((X >= 0.0) & (X <= 1.0)).all(axis=1)
-        return (bright[i, j] & within).astype(float)
+        return (chosen[i, j] & within).astype(float)
 
     return inside
 

@@ -74,6 +74,8 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     shares, names = np.ones((1, len(X))), [case.matrix]
     for geometry, material in drawn:
         weight = shapes[geometry](X)
+        if not weight.any():
+            raise ValueError(f"the geometry '{geometry}' holds no cell's centre: make it larger, or cells smaller")
         shares = np.concatenate([shares * (1.0 - weight), weight[None]])
         names.append(material)
     models, values = cell_parameters(shares, [config.materials[key] for key in names])
