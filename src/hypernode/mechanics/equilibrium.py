@@ -50,21 +50,27 @@ def stiffness_matrix(mesh: Mesh, conductivity: float | Float[np.ndarray, " cell"
     return scipy.sparse.csr_matrix((total.ravel(), (rows, columns)), (n, n))
 
 
+def tied_edge(constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"], component: int):
+    """Name of the edge whose nodes move together in a component, since their resultant is measured, or None.
+
+    Of several the one with the larger coordinate; overall balance then implies the other.
+    """
+    tied = np.flatnonzero(constrained[:, component] & measured[:, component])
+    return EDGE_NAMES[tied[-1]] if len(tied) else None
+
+
 def virtual_fields(mesh: Mesh, component: int, constrained, measured):
     """Test functions (node, function) for one displacement component, and the edge that is tied or None.
 
-    Nodes of a constrained edge move together where the edge's resultant is measured, and not at all
-    where it is not: their reactions are unknown. Of several measured edges the one with the larger
-    coordinate is used; overall balance then implies the other.
+    Nodes of a constrained edge move together where the edge is tied (:func:`tied_edge`), and not at all elsewhere:
+    their reactions are unknown.
     """
     n = len(mesh.nodes)
     number = np.full(n, -2)
-    tied = None
     for index, edge in enumerate(EDGE_NAMES):
         if constrained[index, component]:
             number[mesh.on_edge(edge)] = -1
-            if measured[index, component]:
-                tied = edge
+    tied = tied_edge(constrained, measured, component)
     free = np.flatnonzero(number == -2)
     number[free] = np.arange(len(free))
     if tied is not None:

@@ -86,6 +86,17 @@ class Mesh:
         pairs = np.concatenate(pairs)
         return pairs, np.sqrt(self.areas[pairs].mean(axis=1))
 
+    def median_of_neighbours(self, values: Float[np.ndarray, "cell ..."]) -> Float[np.ndarray, "cell ..."]:
+        """Medians over the cells, up to eight, that share a side or a corner with each; its own value without any."""
+        pairs = np.concatenate([self.neighbours()[0], self.diagonal_neighbours()[0]])
+        cell, other = np.concatenate([pairs, pairs[:, ::-1]])[np.argsort(pairs.T, axis=None, kind="stable")].T
+        place = np.arange(len(cell)) - np.searchsorted(cell, cell)
+        around = np.full((8, *values.shape), np.nan)
+        around[place, cell] = values[other]
+        alone = np.bincount(cell, minlength=len(values)) == 0
+        around[0, alone] = values[alone]
+        return np.nanmedian(around, axis=0)
+
     def gradient_operator(self) -> Float[np.ndarray, "cell 4 2"]:
         """dN_a/dX_J at the cell centres: multiply nodal values and sum over a to differentiate."""
         corner = self.nodes[self.cells]

@@ -13,7 +13,7 @@ from hypernode.config import Method
 from hypernode.errors import ExpectedError
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.equilibrium import nodal_force_matrices, virtual_fields
-from hypernode.mechanics.mesh import Mesh
+from hypernode.mechanics.mesh import EDGES, Mesh
 from hypernode.mechanics.sparse_factors import factorise
 from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
 from hypernode.storage.netcdf import read, units_of, write
@@ -42,9 +42,8 @@ def homogeneous_modulus(mesh: Mesh, loading: Loading, F) -> float:
         BaselineError: the forces are those of no material.
     """
     unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(mean_gradient(mesh, F)), jnp.zeros((1, 1))))[..., 0]
-    known, scale = loading.measured, loading.scale[:, None]
-    unit = np.stack([unit[i, i] for i in range(2)], axis=1)[known] / np.broadcast_to(scale, known.shape)[known]
-    target = (np.stack([loading.P_average[:, i, i] for i in range(2)], axis=1) / scale)[known]
+    known, scale = loading.measured, loading.scale[:, None, None]
+    unit, target = ((P / scale)[known] for P in (np.moveaxis(unit, -1, 0), loading.P_average))
     modulus = float(unit @ target / (unit @ unit))
     if modulus <= 0:
         raise BaselineError(f"a homogeneous modulus of {modulus:g}: the measured forces do not pull where they should")
@@ -66,8 +65,9 @@ def _virtual_work(mesh: Mesh, loading: Loading, F):
             target = np.zeros(work.shape[0])
             if edge is not None:
                 target[-1] = loading.resultant[step, i]
-                stretches[0].append(mesh.areas * unit[i, i, step] / mesh.size[i] / loading.scale[step])
-                stretches[1].append(target[-1] / loading.scale[step])
+                axis, sign = EDGES[edge]
+                stretches[0].append(mesh.areas * unit[i, axis, step] / mesh.size[axis] / loading.scale[step])
+                stretches[1].append(sign * target[-1] / loading.scale[step])
             hats[0].append(work / loading.scale[step])
             hats[1].append(target / loading.scale[step])
     return (scipy.sparse.vstack(hats[0]).tocsr(), np.concatenate(hats[1])), tuple(map(np.array, stretches))

@@ -19,7 +19,8 @@ import numpy as np
 
 from hypernode.basis_file import basis_content
 from hypernode.config import Constrained
-from hypernode.stages.descent import CLOSE, MUCH_LEFT, UNEXPLAINED, Found, Plateau, descend, described
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+from hypernode.stages.descent import CHANCE, CLOSE, MUCH_LEFT, UNEXPLAINED, Found, Plateau, descend, described
 from hypernode.stages.field_problem import FieldProblem
 from hypernode.storage.netcdf import read, units_of, write
 
@@ -86,6 +87,8 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
         if LAST in terms:
             tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(tried)
+    found = _without_fibres(found, settings, name)
+    found = _without_outliers(found, settings, name)
     found = _shaken(found, settings, name)
     found = _divided(found, measurement, settings, name)
     if found.history[-1] > UNEXPLAINED:
@@ -95,6 +98,47 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
             "the descent ended early: trust no number of this field; add further_terms or iterations",
             file=sys.stderr,
         )
+    return found
+
+
+def _nearly(found: Found, params, settings: Constrained, name: str) -> Found:
+    """The more probable of ``found`` and where a descent from ``params`` ends, which is tried if the latter cost hardly
+    more: no more than noise changes costs by chance."""
+    problem = found.problem
+    other = found.at(params)
+    if other is None or other.cost - found.cost > CHANCE * np.sqrt(problem.cost_of_noise):
+        return found
+    reached = descend(problem, settings, name, other, (), settings.tolerance)
+    history = np.concatenate([found.history, reached.history])
+    return min(found, dataclasses.replace(reached, history=history), key=lambda each: each.cost)
+
+
+def _without_fibres(found: Found, settings: Constrained, name: str) -> Found:
+    """Where a descent without fibres ends, if a noisy test does not tell of them and that field is the more probable.
+
+    A descent begins with weak fibres, which noise may strengthen where they hardly carry anything; only under other
+    loads would they.
+    """
+    fibre = [k for k, key in enumerate(found.problem.basis.names) if key in FIBRE_VECTOR]
+    if not found.problem.sharp or not found.params[:, fibre].any():
+        return found
+    params = found.params.copy()
+    params[:, fibre] = 0.0
+    return _nearly(found, params, settings, name)
+
+
+def _without_outliers(found: Found, settings: Constrained, name: str) -> Found:
+    """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
+
+    Cells of which the test says little stay where an early iteration left them, and under other deformations they are
+    what is most wrong. Not where it says so much of each that the medians do not explain it, nor through a correlation
+    window, where cells in between are something else.
+    """
+    while not found.problem.blurred:
+        better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
+        if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
+            return better
+        found = better
     return found
 
 

@@ -116,6 +116,14 @@ class Found:
         much = self.excess > NO_CHANCE if self.problem.noisy else self.data_share > MUCH_LEFT
         return self.unexplained > 1.0 or much
 
+    def at(self, params) -> "Found | None":
+        """The same test with other parameters, or None where they have no equilibrium within reach."""
+        states = self.problem.states(params, [state.u for state in self.states])
+        if states is None:
+            return None
+        cost = self.objective.value(params, states, self.problem.sigma)
+        return dataclasses.replace(self, params=params, states=states, cost=cost)
+
 
 def _first_field(problem: FieldProblem, before: Found | None):
     """(parameters by cell, where the ridge pulls them, guesses of the states) of a descent, which may follow another.
@@ -126,7 +134,7 @@ def _first_field(problem: FieldProblem, before: Found | None):
     names, cells = problem.basis.names, len(problem.mesh.cells)
     centre = np.tile(problem.homogeneous, (cells, 1))
     params = centre.copy()
-    fibre = [names.index(key) for key in FIBRE_VECTOR if key in names]
+    fibre = [k for k, key in enumerate(names) if key in FIBRE_VECTOR]
     centre[:, fibre] = 0.0
     if fibre and np.linalg.norm(problem.homogeneous[fibre]) < SMALLEST_FIBRE:
         params[:, fibre] = SMALLEST_FIBRE, 0.0

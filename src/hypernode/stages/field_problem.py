@@ -6,6 +6,7 @@ the one with respect to the other.
 """
 
 import dataclasses
+import itertools
 from functools import partial
 
 import jax
@@ -36,6 +37,8 @@ SAME_GRID_FLOOR, WINDOW_FLOOR, PARTS_FLOOR = 3.8e-5, 1.3e-3, 2e-4
 DESCRIPTION_ERROR = 0.015
 #: Preference of the homogeneous fit for the plainest material, in units of a misfit of 1 %.
 STRONG_RIDGE, WEAK_RIDGE = 0.3, 0.03
+#: How often what clamps do to a homogeneous sheet is computed anew.
+BENT_ROUNDS = 3
 NEWTON_TOLERANCE = 1e-6
 #: Of weights that sum to one.
 ROUNDING = 1e-9
@@ -96,7 +99,7 @@ class FieldProblem:
         self.observe = [observe[seen] for seen in self.seen]
         area = self.grid.areas / self.grid.areas.sum()
         self._mean_F = jnp.asarray(np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area))
-        self.homogeneous, self.force_misfit = self._homogeneous()
+        self.homogeneous, self.force_misfit = self._homogeneous(measurement.attrs["outline"] == "cut")
         described = self.force_misfit <= DESCRIPTION_ERROR
         relative = np.where(described, settings.force_noise, self.force_misfit)[self.loading.test]
         self._edge_forces(measurement, np.maximum(relative, float(measurement.attrs["force_uncertainty"])))
@@ -150,44 +153,67 @@ class FieldProblem:
             self.fixed.append(np.flatnonzero(mask.ravel()))
             self.free.append(np.flatnonzero(~mask.ravel()))
 
-    def _homogeneous(self) -> tuple[np.ndarray, np.ndarray]:
+    def _homogeneous(self, cut: bool) -> tuple[np.ndarray, np.ndarray]:
         """(parameters of one homogeneous material, smallest relative misfit of each test's mean stresses).
 
         The first comes from a fit to all tests that prefers the plainest material, the second from fits to
         one test that hardly do: what no material of the basis can follow is an error of the description.
+
+        Mean stresses are those of the mean deformation, and where clamps bend even a homogeneous sheet, what that
+        changes is computed and taken into account. Not where the grid is cut out of a larger sheet: clamps are far.
         """
-        loading, mean_F = self.loading, self._mean_F
-        target = np.stack([loading.P_average[:, i, i] for i in range(2)])
+        loading = self.loading
+        target, known = np.moveaxis(loading.P_average, 0, -1), np.moveaxis(loading.measured, 0, -1)
         start = self.basis.start
         start[0] = np.log(0.3 * loading.scale.max())
 
-        def relative(params, mean_F, target, scale):
-            P = self.basis.stress(mean_F, params[:, None])
-            return (jnp.stack([P[0, 0], P[1, 1]]) - target) / scale
+        def relative(params, target, mean_F, scale):
+            return (self.basis.stress(mean_F, params[:, None]) - target) / scale
 
         # Data are arguments, so that tests of as many steps share what is compiled.
         value, derivative = (
-            partial(jax.jit(function), mean_F=mean_F, target=target, scale=loading.scale)
+            partial(jax.jit(function), mean_F=self._mean_F, scale=loading.scale)
             for function in (relative, jax.jacfwd(relative))
         )
 
         def measured(values, steps):
-            return np.asarray(values)[:, steps][loading.measured.T[:, steps]]
+            return np.asarray(values)[:, :, steps][known[:, :, steps]]
 
         # Fibres begin above zero, where they have a gradient, but the plainest material has none.
         plainest = np.array([0.0 if key in FIBRE_VECTOR else p for key, p in zip(self.basis.names, start, strict=True)])
 
-        def fit(ridge, steps):
+        def fit(ridge, steps, target):
             ridges = ridge * np.eye(len(start))[1:]
             return least_squares(
-                lambda p: np.concatenate([100.0 * measured(value(p), steps), ridges @ (p - plainest)]),
+                lambda p: np.concatenate([100.0 * measured(value(p, target), steps), ridges @ (p - plainest)]),
                 start,
-                jac=lambda p: np.concatenate([100.0 * measured(derivative(p), steps), ridges]),
+                jac=lambda p: np.concatenate([100.0 * measured(derivative(p, target), steps), ridges]),
             ).x
 
+        found = fit(STRONG_RIDGE, slice(None), target)
+        clamped = loading.constrained.all(axis=2).any()
+        straight = target
+        for _ in range(BENT_ROUNDS if clamped and not cut else 0):
+            bent = self._bending(found)
+            if bent is None:
+                break
+            straight = target - bent
+            found = fit(STRONG_RIDGE, slice(None), straight)
         tests = [loading.test == k for k in range(loading.test.max() + 1)]
-        closest = [np.sqrt(np.mean(measured(value(fit(WEAK_RIDGE, steps)), steps) ** 2)) for steps in tests]
-        return fit(STRONG_RIDGE, slice(None)), np.array(closest)
+        fits = [(fit(WEAK_RIDGE, steps, straight), steps) for steps in tests]
+        closest = [np.sqrt(np.mean(measured(value(params, straight), steps) ** 2)) for params, steps in fits]
+        return found, np.array(closest)
+
+    def _bending(self, params) -> Float[np.ndarray, "2 2 step"] | None:
+        """Mean stress of a homogeneous sheet beyond that of its mean deformation, or None without equilibrium."""
+        everywhere = np.tile(params, (len(self.mesh.cells), 1))
+        states = self.states(everywhere, self.extension(everywhere))
+        if states is None:
+            return None
+        area = self.mesh.areas / self.mesh.areas.sum()
+        P = [np.einsum("ai,aJ->iJ", s.force.reshape(-1, 2), self.mesh.nodes) / self.mesh.areas.sum() for s in states]
+        F = np.einsum("scij,c->ijs", deformation_gradient(self.mesh, np.stack([s.u for s in states])), area)
+        return np.stack(P, axis=-1) - np.asarray(self.basis.stress(F, params[:, None]))
 
     def _edge_forces(self, measurement, relative: Float[np.ndarray, " step"]) -> None:
         """Measured resultants, one a step and component; their overall balance gives the other edge.
@@ -201,7 +227,7 @@ class FieldProblem:
         largest = np.nanmax(np.abs(force), axis=(1, 2))
         self.forces = []
         for step in range(len(self.u)):
-            for i, edges in enumerate((("right", "left"), ("top", "bottom"))):
+            for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):
                 for edge in edges:
                     e = EDGE_NAMES.index(edge)
                     if constrained[step, e, i] and np.isfinite(force[step, e, i]):

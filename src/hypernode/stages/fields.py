@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.mechanics.mesh import Mesh
+from hypernode.mechanics.equilibrium import tied_edge
+from hypernode.mechanics.mesh import EDGES, Mesh
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
@@ -53,10 +54,11 @@ class Loading:
     Attributes:
         test: load case of each step (step,).
         t: load parameter of each step, its largest displacement gradient over that of its test.
-        resultant: force over thickness on the positive edge of each component (step, 2), 0 where
-            not measured.
-        measured: whether that resultant is measured (step, 2).
-        P_average: force over cross-section, ``pre-training1`` (step, 2, 2), 0 where not measured.
+        resultant: force over thickness on the edge that is tied for each component, :func:`tied_edge` (step, 2),
+            0 where none is.
+        P_average: force over cross-section, ``pre-training1``, component i on the sides normal to J (step, 2, 2), 0
+            where not measured.
+        measured: whether that mean stress is known (step, 2, 2).
         scale: norm of P_average (step,), the stress unit of each step.
         constrained, known: per test and edge and component (test, edge, 2).
     """
@@ -64,39 +66,45 @@ class Loading:
     test: np.ndarray
     t: np.ndarray
     resultant: np.ndarray
-    measured: np.ndarray
     P_average: np.ndarray
+    measured: np.ndarray
     scale: np.ndarray
     constrained: np.ndarray
     known: np.ndarray
 
     @property
     def target_weight(self) -> Float[np.ndarray, "2 2 step 1"]:
-        """1 where P_average is known [i, J, step, 1]: measured normal stresses, and shear (zero)."""
-        weight = np.ones((2, 2, len(self.t), 1))
+        """1 where P_average is a target [i, J, step, 1]: where it is known, and shear that nothing applies (zero)."""
+        weight = np.moveaxis(self.measured, 0, -1).astype(float)
+        free = ~self.constrained[self.test].any(axis=(1, 2))
         for i in range(2):
-            weight[i, i, :, 0] = self.measured[:, i] | ~self.constrained[self.test].any(axis=(1, 2))
-        return weight
+            weight[i, i] = np.maximum(weight[i, i], free)
+            weight[i, 1 - i] = np.maximum(weight[i, 1 - i], ~self.measured[:, 1 - i, i])
+        return weight[..., None]
 
     @classmethod
     def of(cls, measurement: xr.Dataset) -> "Loading":
         """Read the loading of a measurement file.
 
-        A component counts as measured where one of its two opposite edges carries a known force;
-        the two are balanced, so their mean is used where both are known. A component in which both
-        edges are free has a known resultant of zero.
+        The mean of P_iJ is the sum of traction i times X_J over the outline. It follows from resultants where the only
+        edges that hold component i are normal to J and one of the two carries a known force; the two are balanced, so
+        that their mean is used where both are known. Without any edge that holds it, the mean of P_ii is zero where
+        all are known to be free.
         """
         lower, upper = measurement["corners"].values
         force = stress_resultants(measurement)
         constrained = measurement["edge_constrained"].values > 0
         test = measurement["test"].values
-        # Pairs of opposite edges in the order left, right, bottom, top: axis 0 then axis 1.
-        outward = np.stack([[-force[:, 0, 0], force[:, 1, 0]], [-force[:, 2, 1], force[:, 3, 1]]])
-        counts = np.isfinite(outward).sum(axis=1)
-        total = np.nansum(outward, axis=1) / np.maximum(counts, 1)
         section = (upper - lower)[::-1]
-        P = np.zeros((len(test), 2, 2))
-        P[:, 0, 0], P[:, 1, 1] = total[0] / section[0], total[1] / section[1]
+        # Pairs of opposite edges in the order left, right, bottom, top: axis 0 then axis 1.
+        outward = np.stack([-force[:, 0::2], force[:, 1::2]])
+        seen = np.isfinite(outward)
+        total = np.nansum(outward, axis=0) / np.maximum(seen.sum(axis=0), 1)
+        held = (constrained[:, 0::2] | constrained[:, 1::2]).transpose(0, 2, 1)
+        finite = seen.any(axis=0).transpose(0, 2, 1)
+        free = ~held.any(axis=2, keepdims=True) & np.eye(2, dtype=bool)
+        measured = finite & (held & ~held[..., ::-1] | held & np.eye(2, dtype=bool) | free)
+        P = np.where(measured, total.transpose(0, 2, 1) / section, 0.0)
         scale = np.linalg.norm(P.reshape(len(test), 4), axis=1)
         if (scale <= 0).any():
             raise ValueError(
@@ -106,4 +114,11 @@ class Loading:
         largest = np.array([H[test == k].max() for k in test])
         first = [int(np.flatnonzero(test == k)[0]) for k in range(test.max() + 1)]
         known = np.isfinite(force) & constrained
-        return cls(test, H / largest, total.T, (counts > 0).T, P, scale, constrained[first], known[first])
+        resultant = np.zeros((len(test), 2))
+        for step, k in enumerate(first[number] for number in test):
+            for i in range(2):
+                tied = tied_edge(constrained[k], known[k], i)
+                if tied is not None:
+                    axis, sign = EDGES[tied]
+                    resultant[step, i] = sign * total[step, axis, i]
+        return cls(test, H / largest, resultant, P, measured, scale, constrained[first], known[first])

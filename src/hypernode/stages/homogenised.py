@@ -43,7 +43,7 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
     fitted = node.with_units_as_data()
     start = node.initial_params(jax.random.key(method.seed))
     target = jnp.asarray(loading.P_average, jnp.float32)
-    known = jnp.asarray(np.einsum("si,iJ->siJ", loading.measured, np.eye(2)), jnp.float32)
+    known = jnp.asarray(loading.measured, jnp.float32)
     scale = jnp.asarray(loading.scale, jnp.float32)[:, None, None]
 
     def predicted(params):

@@ -61,7 +61,7 @@ def _edge_terms(problem: InverseProblem) -> Callable:
             for i in range(2):
                 traction = P[i, axis][:, cells] / problem.scale[:, None]
                 held = loading.constrained[loading.test, edge, i]
-                known = loading.measured[:, i] & held & (axis == i)
+                known = loading.measured[:, i, axis] & held
                 target = jnp.asarray(loading.P_average[:, i, axis] / loading.scale, jnp.float32)
                 total += jnp.mean(jnp.asarray(known) * (jnp.mean(traction, axis=1) - target) ** 2)
                 total += jnp.mean(jnp.asarray(~held)[:, None] * traction**2)
