@@ -239,7 +239,7 @@ class Constrained(Section):
 
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre", "stiffening"]
     further_terms: list[Literal[BASIS_TERMS]] = []
-    iterations: Count = 40
+    iterations: Count = 60
     jump_weight: Positive = 25.0
     jump_scale: Positive = 0.05
     force_noise: Positive = 6e-4

@@ -102,8 +102,10 @@ def identify(measurement, settings: Constrained, name: str) -> Found:
 
 
 def _nearly(found: Found, params, settings: Constrained, name: str) -> Found:
-    """The more probable of ``found`` and where a descent from ``params`` ends, which is tried if the latter cost hardly
-    more: no more than noise changes costs by chance."""
+    """The more probable of ``found`` and where a descent from ``params`` ends.
+
+    It is tried if these cost hardly more than ``found`` does: no more than noise changes costs by chance.
+    """
     problem = found.problem
     other = found.at(params)
     if other is None or other.cost - found.cost > CHANCE * np.sqrt(problem.cost_of_noise):
@@ -131,10 +133,10 @@ def _without_outliers(found: Found, settings: Constrained, name: str) -> Found:
     """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
 
     Cells of which the test says little stay where an early iteration left them, and under other deformations they are
-    what is most wrong. Not where it says so much of each that the medians do not explain it, nor through a correlation
-    window, where cells in between are something else.
+    what is most wrong. Not where it says so much of each that the medians do not explain it, as it does without noise,
+    nor through a correlation window, where cells in between are something else.
     """
-    while not found.problem.blurred:
+    while found.problem.sharp:
         better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
         if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
             return better
