@@ -15,7 +15,7 @@ import scipy.sparse.linalg
 from jax.experimental.sparse import BCOO
 from jaxtyping import Array, Bool, Float
 
-from hypernode.mechanics.mesh import EDGES, Mesh
+from hypernode.mechanics.mesh import EDGES, Mesh, tied_edge
 
 EDGE_NAMES = tuple(EDGES)
 #: Blocks of columns of a dense inverse, each summed by itself: a sum of thousands in float32, whose terms nearly
@@ -48,15 +48,6 @@ def stiffness_matrix(mesh: Mesh, conductivity: float | Float[np.ndarray, " cell"
     columns = np.tile(mesh.cells, (1, 4)).ravel()
     n = len(mesh.nodes)
     return scipy.sparse.csr_matrix((total.ravel(), (rows, columns)), (n, n))
-
-
-def tied_edge(constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"], component: int):
-    """Name of the edge whose nodes move together in a component, since their resultant is measured, or None.
-
-    Of several the one with the larger coordinate; overall balance then implies the other.
-    """
-    tied = np.flatnonzero(constrained[:, component] & measured[:, component])
-    return EDGE_NAMES[tied[-1]] if len(tied) else None
 
 
 def virtual_fields(mesh: Mesh, component: int, constrained, measured):

@@ -105,6 +105,15 @@ class Mesh:
         return np.einsum("aj,cjJ->caJ", local, np.linalg.inv(jacobian))
 
 
+def tied_edge(constrained: Bool[np.ndarray, "edge 2"], measured: Bool[np.ndarray, "edge 2"], component: int):
+    """Name of the edge whose nodes move together in a component, since their resultant is measured, or None.
+
+    Of several the one with the larger coordinate; overall balance then implies the other.
+    """
+    tied = np.flatnonzero(constrained[:, component] & measured[:, component])
+    return tuple(EDGES)[tied[-1]] if len(tied) else None
+
+
 def rectilinear(x: Float[np.ndarray, " nx"], y: Float[np.ndarray, " ny"], keep=None) -> Mesh:
     """Mesh of the grid lines ``x`` and ``y``, nodes numbered with x fastest.
 

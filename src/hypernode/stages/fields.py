@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.mechanics.equilibrium import tied_edge
-from hypernode.mechanics.mesh import EDGES, Mesh
+from hypernode.mechanics.mesh import EDGES, Mesh, tied_edge
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
