@@ -7,9 +7,9 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from hypernode.config_loader import ConfigError, load_config
-from hypernode.config_slices import slice_for
-from hypernode.workflow import (
+from hypernode.config.loading import ConfigError, load_config
+from hypernode.config.slices import slice_for
+from hypernode.pipeline.dag import (
     code_params,
     field_inputs,
     figure_inputs,

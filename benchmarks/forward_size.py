@@ -28,9 +28,9 @@ def measure(cells: int) -> dict:
     jax.config.update("jax_enable_x64", True)
     import numpy as np
 
+    from hypernode.fem.mesh import rectilinear
+    from hypernode.fem.solver import EquilibriumSolver, closed_form_stress
     from hypernode.mechanics.loads import make_load
-    from hypernode.mechanics.mesh import rectilinear
-    from hypernode.stages.equilibrium_solver import EquilibriumSolver, closed_form_stress
 
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)

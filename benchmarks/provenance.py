@@ -12,10 +12,10 @@ import sys
 import time
 from pathlib import Path
 
+from hypernode.pipeline.dag import code_params
 from hypernode.storage.netcdf import ancestry
 from hypernode.storage.provenance import describe
 from hypernode.storage.records import check_digest, make_record, read_record, sha256, source_state
-from hypernode.workflow import code_params
 
 
 def repeated(path: Path, record: dict) -> None:

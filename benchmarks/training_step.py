@@ -30,17 +30,17 @@ import jax.numpy as jnp
 import numpy as np
 from flax import nnx
 
-from hypernode.config import Frequencies
-from hypernode.material import node_stress
-from hypernode.mechanics.equilibrium import EquilibriumGap
+from hypernode.config.methods import Frequencies
+from hypernode.fem.equilibrium_gap import EquilibriumGap
+from hypernode.fem.mesh import rectilinear
+from hypernode.material.laws import node_stress
 from hypernode.mechanics.kinematics import Invariants, invariants
-from hypernode.mechanics.mesh import rectilinear
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.neural_ode import layer_sizes
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import INVARIANTS, TERMS
 from hypernode.networks.weights import make_network, split_trainable
-from hypernode.stages.training import divergence, mesh_gather
+from hypernode.training.losses import divergence, mesh_gather
 
 PAPER_TERMS = ("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w")
 STEPS = 4

@@ -21,7 +21,10 @@ PUBLISHED_STEPS = 40_000
 
 def stages(config, case: str, method_name: str, measurement: str, folder: Path):
     """(name, double precision, function) of every stage of a method, in order."""
-    from hypernode.stages import constrained, gradient, homogenised, initialisation, interpolant, pretraining, training
+    from hypernode.fem import gradient
+    from hypernode.identification import strategy as constrained
+    from hypernode.training import homogenised, initialisation, interpolant, pretraining
+    from hypernode.training import losses as training
 
     method = config.methods[method_name]
     attributes = {"rule": "benchmark"}
@@ -75,8 +78,8 @@ def once(given) -> None:
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:1])
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     begun = time.perf_counter()
-    from hypernode.config_loader import load_config
-    from hypernode.runtime import set_up_compiler
+    from hypernode.config.loading import load_config
+    from hypernode.pipeline.compiler import set_up_compiler
 
     set_up_compiler(float64=False)
     import jax

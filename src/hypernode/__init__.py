@@ -2,8 +2,8 @@
 
 
 def load_material(path):
-    """The material field stored in a result file; see :func:`hypernode.material.load_material`."""
-    from hypernode.material import load_material
+    """The material field stored in a result file; see :func:`hypernode.material.files.load_material`."""
+    from hypernode.material.files import load_material
 
     return load_material(path)
 

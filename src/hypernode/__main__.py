@@ -10,7 +10,7 @@ from hypernode.errors import ExpectedError
 
 
 def _verify(arguments) -> int:
-    from hypernode.audit import result_files, verify
+    from hypernode.storage.audit import result_files, verify
 
     problems = verify(arguments.folder)
     if arguments.json:
@@ -21,7 +21,7 @@ def _verify(arguments) -> int:
 
 
 def _explain(arguments) -> int:
-    from hypernode.audit import lineage, tree
+    from hypernode.storage.audit import lineage, tree
 
     found = lineage(arguments.file.resolve())
     print(json.dumps(found, indent=1, sort_keys=True) if arguments.json else "\n".join(tree(found, Path.cwd())))
@@ -29,7 +29,7 @@ def _explain(arguments) -> int:
 
 
 def _diff(arguments) -> int:
-    from hypernode.audit import compare
+    from hypernode.storage.audit import compare
 
     entries = compare(arguments.first, arguments.second)
     if arguments.json:

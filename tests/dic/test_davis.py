@@ -5,8 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from hypernode.config_loader import check_config
-from hypernode.dic.davis import DicError, read_force_record, read_series
+from hypernode.config.loading import check_config
+from hypernode.dic.davis import read_series
+from hypernode.dic.errors import DicError
+from hypernode.dic.force_record import read_force_record
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
 

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 import scipy.optimize
 
+from hypernode.mechanics.closed_forms import compressible_neo_hookean, goh, hgo, mooney_rivlin, neo_hookean
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.kinematics import Invariants, invariants
-from hypernode.mechanics.material_names import BASIS_TERMS
-from hypernode.mechanics.materials import compressible_neo_hookean, goh, hgo, mooney_rivlin, neo_hookean
-from tests.stages.sheets import SCALE
+from hypernode.mechanics.parameters import BASIS_TERMS
+from tests.sheets import SCALE
 
 #: All terms of an incompressible sheet, and of a compressible one.
 BASES = [tuple(term for term in BASIS_TERMS if term != other) for other in ("J", "I2")]

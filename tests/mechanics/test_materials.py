@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from hypernode.material import node_energy, node_stress
+from hypernode.fem.solver import closed_form_stress
+from hypernode.material.laws import node_energy, node_stress
+from hypernode.mechanics.closed_forms import MODELS, energy_density
 from hypernode.mechanics.kinematics import REFERENCE, invariants
-from hypernode.mechanics.material_names import PARAMETERS
-from hypernode.mechanics.materials import MODELS, energy_density
+from hypernode.mechanics.parameters import PARAMETERS
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import TERMS
-from hypernode.stages.equilibrium_solver import closed_form_stress
 
 VALUES = {
     "mu": 1.3, "C10": 0.5, "C01": 0.2, "C20": 0.1, "C30": 0.02, "k1": 0.8, "k1w": 0.3, "k2": 0.4,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from flax import nnx
 
-from hypernode.config import Frequencies
-from hypernode.material import node_stress
+from hypernode.config.methods import Frequencies
+from hypernode.material.laws import node_stress
 from hypernode.networks.neural_ode import LARGEST_SLOPE, flow, unflatten, weight_count
 from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.potentials import POTENTIALS

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.__main__ import main
-from hypernode.audit import compare, lineage, problems_of, result_files, verify
+from hypernode.storage.audit import compare, lineage, problems_of, result_files, verify
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, read, write
 from hypernode.storage.records import StorageError, read_record, record_of, sha256
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hypernode.audit import verify
+from hypernode.storage.audit import verify
 from hypernode.storage.netcdf import sha256
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -19,7 +19,7 @@ from rocrate_validator.services import validate
 from rocrate_validator.utils.http import HttpRequester
 
 import hypernode
-from hypernode.audit import lineage, result_files, verify
+from hypernode.storage.audit import lineage, result_files, verify
 from hypernode.storage.netcdf import sha256
 from hypernode.storage.provenance import code_hash, modules_used
 from hypernode.storage.records import read_record

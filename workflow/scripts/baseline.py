@@ -1,12 +1,12 @@
 """Stage 8b: a material without networks."""
 
-from hypernode.config_slices import partial_method
-from hypernode.runtime import job
+from hypernode.config.slices import partial_method
+from hypernode.pipeline.job import job
 
 with job(snakemake, float64=True) as attributes:
-    from hypernode.stages import baselines
+    from hypernode.stages import baseline
 
-    baselines.run(
+    baseline.run(
         partial_method(snakemake.params.settings),
         snakemake.wildcards.case,
         dict(snakemake.input),

@@ -1,7 +1,7 @@
 """Stage 2b: the equilibrium field that explains the measured displacements and forces."""
 
-from hypernode.config import Constrained
-from hypernode.runtime import job
+from hypernode.config.methods import Constrained
+from hypernode.pipeline.job import job
 
 with job(snakemake, float64=True) as attributes:
     from hypernode.stages import constrained

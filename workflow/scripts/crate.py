@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from hypernode.runtime import job
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
-    from hypernode import crate
+    from hypernode.storage import crate
 
     crate.write(Path(snakemake.output[0]).parent, snakemake.input.definition, attributes)

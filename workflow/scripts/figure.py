@@ -1,6 +1,6 @@
 """One figure as PDF and PNG."""
 
-from hypernode.runtime import job
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
     settings = snakemake.params.settings

@@ -1,7 +1,7 @@
 """Stage 1: finite-element solution of every load case."""
 
-from hypernode.config_slices import from_slice
-from hypernode.runtime import job
+from hypernode.config.slices import from_slice
+from hypernode.pipeline.job import job
 
 with job(snakemake, float64=True) as attributes:
     from hypernode.stages import forward

@@ -1,6 +1,6 @@
 """Stage 3: deformation gradients."""
 
-from hypernode.runtime import job
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
     from hypernode.stages import gradient

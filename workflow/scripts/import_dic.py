@@ -1,7 +1,7 @@
 """Stage 2 for a real test: import of a DIC folder."""
 
-from hypernode.config_slices import from_slice
-from hypernode.runtime import job
+from hypernode.config.slices import from_slice
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
     from hypernode.stages import import_dic

@@ -1,7 +1,7 @@
 """Stage 4: continuous deformation gradient."""
 
-from hypernode.config import Interpolant
-from hypernode.runtime import job
+from hypernode.config.methods import Interpolant
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
     from hypernode.stages import interpolant

@@ -1,7 +1,7 @@
 """Stage 7: uniform-stress pre-training."""
 
-from hypernode.config_slices import partial_method
-from hypernode.runtime import job
+from hypernode.config.slices import partial_method
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
     from hypernode.stages import pretraining

@@ -1,6 +1,6 @@
 """Stage 11: homogeneous sheets with the identified phases."""
 
-from hypernode.runtime import job
+from hypernode.pipeline.job import job
 
 with job(snakemake, float64=True) as attributes:
     from hypernode.stages import references

@@ -1,9 +1,9 @@
 """One table as CSV, Markdown and LaTeX."""
 
-from hypernode.runtime import job
+from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
-    from hypernode.figures import tables
+    from hypernode.tables import runs as tables
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
     tables.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)

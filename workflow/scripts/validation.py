@@ -1,7 +1,7 @@
 """Stage 10: loads that were not in the test."""
 
-from hypernode.config_slices import from_slice
-from hypernode.runtime import job
+from hypernode.config.slices import from_slice
+from hypernode.pipeline.job import job
 
 with job(snakemake, float64=True) as attributes:
     from hypernode.stages import validation

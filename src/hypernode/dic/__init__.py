@@ -1,1 +1,1 @@
-"""Importers of measured displacement fields, one vendor format a module."""
+"""Importers: what laboratories bring, turned into a measurement."""

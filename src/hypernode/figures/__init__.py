@@ -1,1 +1,1 @@
-"""Figures and tables, drawn from result files only."""
+"""Figures, drawn from opened result files only."""

@@ -4,6 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import Normalize
 
+from hypernode.evaluation.probes import SMALLEST_ANISOTROPY, uniaxial_stress
 from hypernode.figures.style import (
     ANGLE_MAP,
     FIELD_MAP,
@@ -17,8 +18,7 @@ from hypernode.figures.style import (
     shared_norm,
     unit_label,
 )
-from hypernode.material import load_material
-from hypernode.probes import SMALLEST_ANISOTROPY, uniaxial_stress
+from hypernode.material.files import load_material
 from hypernode.storage.netcdf import read, units_of
 
 CURVE_POINTS = 9

@@ -3,9 +3,9 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+from hypernode.evaluation.probes import indicator
 from hypernode.figures.style import ERROR_MAP, FIELD_MAP, RC, draw_field, save, shared_norm, unit_label
-from hypernode.material import load_material, material_of
-from hypernode.probes import indicator
+from hypernode.material.files import load_material, material_of
 from hypernode.storage.netcdf import read, units_of
 
 

@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+from hypernode.fem.mesh import EDGES
 from hypernode.figures.style import (
     FIELD_MAP,
     INCLUSION,
@@ -17,7 +18,6 @@ from hypernode.figures.style import (
     shared_norm,
     unit_label,
 )
-from hypernode.mechanics.mesh import EDGES
 from hypernode.storage.netcdf import read, units_of
 
 
@@ -135,8 +135,8 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
 
 def _true_indicator(truth_file, data):
     """The true counterpart of the indicator field."""
-    from hypernode.material import load_material
-    from hypernode.probes import indicator
+    from hypernode.evaluation.probes import indicator
+    from hypernode.material.files import load_material
 
     centres = data["X"].values[data["cells"].values].mean(axis=1)
     return indicator(load_material(truth_file), centres, data.attrs["load"], data.attrs["shape_stretch"])

@@ -5,8 +5,8 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
+from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.figures.style import INCLUSION, MATRIX, RC, save, unit_label
-from hypernode.mechanics.equilibrium import EDGE_NAMES
 from hypernode.storage.netcdf import read, units_of
 
 #: Reference -> its colour and what stands for it.
@@ -23,7 +23,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         provenance: what the job says of itself.
     """
     data = read(inputs["references"])
-    tests, summary = (json.loads(data.attrs[key]) for key in ("tests", "summary"))
+    tests, summary = (json.loads(data.attrs[key]) for key in ("load_cases", "summary"))
     axis = 0 if data.attrs["load"].endswith("x") else 1
     edge = EDGE_NAMES.index(("right", "top")[axis])
     units = units_of(data)
@@ -32,7 +32,7 @@ def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenan
         for index, label in enumerate(tests):
             phase = label.split(":")[0]
             colour, shown = SHOWN[phase]
-            steps = data["test"].values == index
+            steps = data["load_case"].values == index
             stretch = np.concatenate([[1.0], data["stretch"].values[steps]])
             measured, found = (
                 np.concatenate([[0.0], data[key].values[steps, edge, axis]])

@@ -1,1 +1,1 @@
-"""Mechanics of one material point: kinematics, materials, stress."""
+"""Mechanics of one material point: kinematics, stress, closed forms, convex basis, loads, relaxation."""

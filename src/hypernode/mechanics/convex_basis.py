@@ -34,7 +34,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green
-from hypernode.mechanics.material_names import BASIS_TERMS
+from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, lose their direction gradually.

@@ -1,1 +1,1 @@
-"""Networks: Fourier-feature perceptron, neural ODEs, the material they form."""
+"""Networks: Fourier-feature perceptron, neural ODEs, the potentials they form. Pure functions."""

@@ -1,1 +1,1 @@
-"""One module a stage of the pipeline."""
+"""One thin module a rule: read, call, write."""

@@ -7,17 +7,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from hypernode.config import Method
-from hypernode.material import node_stress
+from hypernode.config.methods import Method
+from hypernode.data.loading import Loading
+from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.fem.gradient import mean_gradient
+from hypernode.material.laws import node_stress
 from hypernode.mechanics.kinematics import invariants
 from hypernode.networks.node_material import NodeMaterial
-from hypernode.stages.fields import Loading, field_gradient, mean_gradient, mesh_of
-from hypernode.stages.optimisation import data_as_arguments, minimise
 from hypernode.storage.netcdf import read, units_of, write
-
-#: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
-#: homogenised fit has more parameters than data; this picks the plainest of the many that fit.
-RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-6
+from hypernode.training.homogenised import RIDGE_CONSTANTS, RIDGE_WEIGHTS
+from hypernode.training.loop import data_as_arguments, minimise
 
 
 def run(method: Method, name: str, measurement_file: str, field_file: str, output: str, attributes: dict) -> None:

@@ -2,9 +2,9 @@
 
 import jax.numpy as jnp
 
-from hypernode.config import Method
-from hypernode.stages.inverse_problem import InverseProblem
-from hypernode.stages.optimisation import minimise
+from hypernode.config.methods import Method
+from hypernode.training.loop import minimise
+from hypernode.training.problem import InverseProblem
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:

@@ -3,55 +3,13 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from hypernode.config import Interpolant
-from hypernode.mechanics.mesh import Mesh
-from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
-from hypernode.stages.fields import mesh_of
-from hypernode.stages.optimisation import minimise
+from hypernode.config.methods import Interpolant
+from hypernode.data.measurement import mesh_of
+from hypernode.networks.weights import make_network, split_trainable, to_arrays
 from hypernode.storage.netcdf import read, units_of, write
-
-#: Variance of the interpolant in a cell that it meets, as a share of the mean one.
-LEAST_VARIANCE = 0.1
-
-
-class InterpolatedGradient:
-    """F(X) at every load step, from one network a test.
-
-    Args:
-        file: an interpolant file, opened.
-    """
-
-    def __init__(self, file):
-        settings = Interpolant.model_validate_json(file.attrs["interpolant"])
-        self._lower = jnp.asarray(file["corners"].values[0], jnp.float32)
-        self._length = float(file.attrs["length_scale"])
-        self._t = jnp.asarray(file["t"].values, jnp.float32)
-        self._amplitude = jnp.asarray(file["amplitude"].values, jnp.float32)
-        tests = file["test"].values
-        self._steps = [np.flatnonzero(tests == k) for k in range(tests.max() + 1)]
-        self._order = np.argsort(np.concatenate(self._steps), kind="stable")
-        self._networks = [from_arrays(settings, 1, 4, file, f"interpolant{k}") for k in range(len(self._steps))]
-
-    def __call__(self, X):
-        """F[i, J, step, point] at the positions X (point, 2)."""
-        scaled = (X - self._lower) / self._length
-        values = [
-            network(scaled[None], self._t[steps, None, None]) * self._amplitude[steps, None, None]
-            for network, steps in zip(self._networks, self._steps, strict=True)
-        ]
-        H = jnp.concatenate(values)[self._order].reshape(len(self._t), -1, 2, 2)
-        return jnp.moveaxis(H + jnp.eye(2), (2, 3), (0, 1))
-
-
-def relative_variance(mesh: Mesh, misfit: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, " cell"]:
-    """How uncertain F is in a cell, over the mean of the sheet: the squared misfit there and in the cells around it."""
-    squared = np.mean(np.sum(misfit**2, axis=(2, 3)), axis=0)
-    nodal = np.bincount(mesh.cells.ravel(), np.repeat(squared, 4)) / np.bincount(mesh.cells.ravel())
-    around = nodal[mesh.cells].mean(axis=1)
-    variance = around / max(around.mean(), np.finfo(float).tiny) + LEAST_VARIANCE
-    return variance / variance.mean()
+from hypernode.training.interpolant import relative_variance
+from hypernode.training.loop import minimise
 
 
 def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict) -> None:
@@ -63,7 +21,7 @@ def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output:
     data = read(gradient_file)
     mesh = mesh_of(data)
     length = float(mesh.size.max())
-    tests, F = data["test"].values, data["F"].values
+    tests, F = data["load_case"].values, data["F"].values
     amplitude = np.sqrt(np.mean((F - np.eye(2)) ** 2, axis=(1, 2, 3)))
     t = np.array([amplitude[k] / amplitude[tests == tests[k]].max() for k in range(len(tests))])
     X = jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32)
@@ -86,7 +44,7 @@ def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output:
         values = np.asarray(apply(params)(X[None], load), float).reshape(len(steps), -1, 2, 2)
         fitted[steps] = np.eye(2) + values * amplitude[steps, None, None, None]
         losses.append(history)
-    variables |= {key: data[key].values for key in ("X", "cells", "corners", "test", "stretch")}
+    variables |= {key: data[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     variables |= {"t": t, "amplitude": amplitude}
     variables |= {"loss": np.mean(losses, axis=0), "loss_iteration": iterations}
     described = {

@@ -1,36 +1,18 @@
 """Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
 
-import sys
-
 import jax.numpy as jnp
 import numpy as np
 
-from hypernode.config import Config
-from hypernode.material import node_stress, parameter_field
-from hypernode.mechanics.equilibrium import EDGE_NAMES
+from hypernode.config.model import Config
+from hypernode.data.measurement import mesh_of
+from hypernode.evaluation.validation import _solve
+from hypernode.fem.solver import EquilibriumSolver
+from hypernode.material.files import parameter_field
+from hypernode.material.laws import node_stress
 from hypernode.mechanics.loads import make_load
 from hypernode.progress import Progress
-from hypernode.stages.equilibrium_solver import ConvergenceError, EquilibriumSolver
-from hypernode.stages.fields import mesh_of
-from hypernode.stages.forward import resultants, true_sheet
 from hypernode.storage.netcdf import read, units_of, write
-
-
-def _solve(solver, loads, progress):
-    """(u[step, node, i], edge forces[step, edge, i]) of every load, NaN for a load without equilibrium."""
-    u, forces = [], []
-    for load in loads:
-        try:
-            fields, _ = solver.solve(load, lambda step, history: progress.advance(residual=history[-1]))
-        except ConvergenceError as error:
-            print(f"no equilibrium: {error}", file=sys.stderr)
-            u += [np.full(solver.mesh.nodes.shape, np.nan)] * len(load.H)
-            forces += [np.full((len(EDGE_NAMES), 2), np.nan)] * len(load.H)
-            continue
-        for field in fields:
-            u.append(field)
-            forces.append(resultants(solver, field, load))
-    return np.stack(u), np.stack(forces)
+from hypernode.synthetic.forward import true_sheet
 
 
 def run(config: Config, name: str, truth_file: str, material_file: str, output: str, attributes: dict) -> None:
@@ -55,11 +37,11 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     )
     progress = Progress("validation", name, 2 * sum(len(load.H) for load in loads))
     (u_true, f_true), (u, f) = (_solve(solver, loads, progress) for solver in solvers)
-    test = np.concatenate([np.full(len(load.H), k) for k, load in enumerate(loads)])
+    load_case = np.concatenate([np.full(len(load.H), k) for k, load in enumerate(loads)])
 
     def worst(found, true):
         errors = [
-            np.linalg.norm(found[test == k] - true[test == k]) / np.linalg.norm(true[test == k])
+            np.linalg.norm(found[load_case == k] - true[load_case == k]) / np.linalg.norm(true[load_case == k])
             for k in range(len(loads))
         ]
         return float(np.max(errors))
@@ -70,7 +52,7 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
             "X": mesh.nodes,
             "cells": mesh.cells,
             "corners": np.stack([mesh.lower, mesh.upper]),
-            "test": test,
+            "load_case": load_case,
             "stretch": np.concatenate([load.stretch for load in loads]),
             "u": u,
             "u_truth": u_true,
@@ -81,11 +63,11 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
         {
             **attributes,
             "units": units_of(truth),
-            "tests": case.unseen_loads,
+            "load_cases": case.unseen_loads,
             "summary": {
                 "unseen_displacement_error": worst(u, u_true),
                 "unseen_force_error": worst(f, f_true),
-                "unseen_without_equilibrium": len({int(k) for k in test[np.isnan(u + u_true).any(axis=(1, 2))]}),
+                "unseen_without_equilibrium": len({int(k) for k in load_case[np.isnan(u + u_true).any(axis=(1, 2))]}),
             },
         },
         parents=[truth_file, material_file],

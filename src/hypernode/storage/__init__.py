@@ -1,1 +1,1 @@
-"""The only place that opens data files."""
+"""The only place that opens data files: schema, records, provenance, audit."""

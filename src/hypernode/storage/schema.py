@@ -49,7 +49,7 @@ VARIABLES = {
     "phase": Variable(("cell",), "1", "index of the material phase, -1 unknown"),
     "model": Variable(("cell",), "1", "index of the material model in the attribute models"),
     # loading
-    "test": Variable(("load_step",), "1", "load case of each step"),
+    "load_case": Variable(("load_step",), "1", "load case of each step"),
     "stretch": Variable(("load_step",), "1", "edge stretch that names the step"),
     "H": Variable(("load_step", "i", "J"), "1", "displacement gradient of the bounding rectangle"),
     "time": Variable(("load_step",), "s", "time since the start of the test"),

@@ -1,0 +1,34 @@
+"""What several stages read from a data file in the same way."""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from hypernode.fem.mesh import Mesh
+
+
+def mesh_of(dataset: xr.Dataset) -> Mesh:
+    """The mesh that a file describes."""
+    lower, upper = dataset["corners"].values
+    return Mesh(dataset["X"].values, dataset["cells"].values, lower, upper)
+
+
+def field_gradient(dataset: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
+    """F[i, J, step, cell] at the cell centres, of an interpolant file or of a gradient file."""
+    name = "F_interpolated" if "F_interpolated" in dataset else "F"
+    return np.moveaxis(dataset[name].values, (2, 3), (0, 1))
+
+
+def displacement_noise(measurement: xr.Dataset) -> float:
+    """Standard deviation of the mean over the repeats of the measured displacement."""
+    return float(measurement.attrs["displacement_noise"]) / np.sqrt(measurement.sizes["repeat"])
+
+
+def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
+    """Recorded over elastic force of each step, for the components of every edge."""
+    return measurement["relaxation"].values[:, None, None]
+
+
+def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:
+    """Measured force over thickness of an elastic sheet, NaN where not measured."""
+    return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])

@@ -1,0 +1,1 @@
+"""How good an identified material is, on one scale for every run."""

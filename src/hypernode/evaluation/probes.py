@@ -1,0 +1,71 @@
+"""What a material field does under prescribed homogeneous deformations."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.material.field import Material
+
+#: Difference over sum of the principal stresses above which a material has a fibre direction to find.
+SMALLEST_ANISOTROPY = 0.05
+
+
+def stress_at_common_F(material: Material, X, F) -> np.ndarray:
+    """P[mode, stretch, cell, i, J] when every point undergoes the same F[mode, stretch]."""
+    return np.asarray(material.stress(X, jnp.broadcast_to(F[:, :, None], (*F.shape[:2], len(X), 2, 2))), float)
+
+
+def equibiaxial_stress(material: Material, X, stretches) -> np.ndarray:
+    """P[stretch, point, i, J] when every point is stretched alike in both directions."""
+    return stress_at_common_F(material, X, np.asarray(stretches)[None, :, None, None] * np.eye(2))[0]
+
+
+def uniaxial_stress(material: Material, X, stretches, axis: int) -> np.ndarray:
+    """Normal stresses (stretch, point, 2) under a uniaxial *stress* along ``axis`` at the given stretches.
+
+    The transverse stretch follows from a vanishing transverse stress by Newton's method.
+    """
+    across = 1 - axis
+    along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
+    transverse = along**-0.5
+    for _ in range(30):
+        F = np.zeros((*along.shape, 2, 2))
+        F[..., axis, axis], F[..., across, across] = along, transverse
+        P = np.asarray(material.stress(X, F), float)
+        slope = np.asarray(material.tangent(X, F), float)[..., across, across, across, across]
+        step = P[..., across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
+        transverse = np.clip(transverse - step, 0.3, 3.0)
+        if np.abs(step).max() < 1e-7:
+            break
+    return np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
+
+
+def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
+    """Normal stresses (location, stretch, 2) along the stretch of the test's own kind."""
+    if kind in ("equibiaxial", "biaxial", "shear"):
+        P = equibiaxial_stress(material, X, stretches)
+        found = np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
+    else:
+        found = uniaxial_stress(material, X, stretches, 0 if kind.endswith("x") else 1)
+    return np.moveaxis(found, 0, 1)
+
+
+def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
+    """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
+    stress in uniaxial tension for uniaxial tests."""
+    if kind in ("equibiaxial", "biaxial", "shear"):
+        P = equibiaxial_stress(material, X, [stretch])[0]
+        return P[:, 0, 0] + P[:, 1, 1]
+    axis = 0 if kind.endswith("x") else 1
+    return uniaxial_stress(material, X, [stretch], axis)[0, :, axis]
+
+
+def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:
+    """(anisotropy (cell,), angle of the stiffest direction from x [degrees] (cell,)) at equibiaxial stretch.
+
+    The anisotropy is the difference of the principal stresses over their sum: zero for an isotropic
+    material, however it is described. The angle, from -90 to 90, means nothing where it vanishes.
+    """
+    P = equibiaxial_stress(material, X, [stretch])[0]
+    difference, shear = P[:, 0, 0] - P[:, 1, 1], P[:, 0, 1] + P[:, 1, 0]
+    anisotropy = np.hypot(difference, shear) / np.maximum(np.abs(P[:, 0, 0] + P[:, 1, 1]), 1e-300)
+    return anisotropy, np.rad2deg(0.5 * np.arctan2(shear, difference))

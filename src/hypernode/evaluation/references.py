@@ -1,0 +1,72 @@
+"""Stage 11: what was identified, in sheets of one phase each and in frames that were not used, against their tests."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.data.measurement import displacement_noise, mesh_of, relaxation
+from hypernode.fem.mesh import EDGE_NAMES
+from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
+from hypernode.identification.boundary import prescribed_displacement
+from hypernode.material.laws import node_stress
+from hypernode.progress import Progress
+
+#: Phases by the value of an evaluation's ``shape``.
+PHASES = ("matrix", "inclusion")
+
+
+#: The identified field itself, in other frames of its own test.
+WHOLE = "whole"
+
+
+#: Quantiles of the stiffness of a phase whose cells together stand for it.
+MIDDLE = np.linspace(0.25, 0.75, 5)
+
+
+def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
+    """Centres of cells from the middle half of a phase by the indicator of its stiffness.
+
+    The identified stiffness varies over a phase by a tenth or more, and cells whose indicators are alike differ by some
+    per cent under other deformations: no single cell stands for a phase.
+
+    Raises:
+        ValueError: no cell belongs to the phase.
+    """
+    cells = np.flatnonzero(evaluation["shape"].values == PHASES.index(phase))
+    if not len(cells):
+        raise ValueError(f"no cell was found to belong to the {phase}: there is nothing to compare with its sheet")
+    order = cells[np.argsort(evaluation["trace_P"].values[cells], kind="stable")]
+    return mesh_of(evaluation).centres[order[np.rint(MIDDLE * (len(order) - 1)).astype(int)]]
+
+
+def pulled_sheet(measurement, node, node_params, progress: Progress):
+    """Resultants (step, edge, i) of a sheet whose outline moves as it was measured.
+
+    Args:
+        measurement: measurement file of the sheet.
+        node, node_params: the material and its weights; the sheet responds as the mean of several places (place,
+            weight), or every cell as the mean of its own (cell, place, weight).
+
+    Raises:
+        ConvergenceError: a step has no equilibrium.
+    """
+    mesh = mesh_of(measurement)
+    held = np.ones((len(EDGE_NAMES), 2))
+    solver = EquilibriumSolver(
+        mesh,
+        lambda F, p: jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1),
+        {"node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:]))},
+    )
+    forces, noise = [], displacement_noise(measurement)
+    for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
+        edges = prescribed_displacement(mesh, u, held, noise)
+        reached = solver.newton(np.where(edges.mask, edges.values, u), np.flatnonzero(edges.mask.ravel()), 1e-8)
+        if reached.u is None:
+            raise ConvergenceError(
+                f"step {step}: no equilibrium of the sheet with the identified material (relative residual "
+                f"{reached.history[-1]:.1e}); its stretch may be beyond what the identified test has seen"
+            )
+        force = reached.force.reshape(-1, 2)
+        forces.append([force[mesh.on_edge(edge)].sum(axis=0) for edge in EDGE_NAMES])
+        progress.advance(residual=reached.history[-1])
+    return np.array(forces) * float(measurement.attrs["thickness"]) * relaxation(measurement)

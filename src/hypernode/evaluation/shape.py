@@ -1,0 +1,111 @@
+"""Shapes of inclusions: found without looking at the truth, and compared with it."""
+
+import itertools
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.spatial import cKDTree
+from skimage.filters import threshold_otsu
+
+from hypernode.fem.mesh import Mesh
+
+#: Shift over side length and relative change of size that a registration may use, and how often its grid is halved.
+REGISTRATION_LIMIT, REGISTRATION_HALVINGS = 0.05, 4
+
+
+#: Share of the cells at either end whose values count as that of the last one before them.
+OUTLIERS = 0.005
+
+
+def border_cells(mesh: Mesh) -> Bool[np.ndarray, " cell"]:
+    """Cells that touch the bounding rectangle."""
+    on = np.zeros(len(mesh.nodes), dtype=bool)
+    for edge in ("left", "right", "bottom", "top"):
+        on |= mesh.on_edge(edge)
+    return on[mesh.cells].any(axis=1)
+
+
+def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Split the sheet in two by Otsu's threshold; the inclusion is the side that meets the border less.
+
+    Between two well separated levels Otsu's criterion is flat and its first maximum hugs the lower
+    level; half-way between the two means is the same optimum with the widest margin. A few cells beyond
+    all others do not draw the threshold to themselves.
+    """
+    indicator = np.clip(indicator, *np.quantile(indicator, (OUTLIERS, 1.0 - OUTLIERS)))
+    if np.ptp(indicator) <= 1e-12 * max(np.abs(indicator).max(), 1e-300):
+        return np.zeros(len(indicator), dtype=bool)
+    high = indicator > threshold_otsu(indicator)
+    high = indicator > 0.5 * (indicator[high].mean() + indicator[~high].mean())
+    border = border_cells(mesh)
+    share_high, share_low = high[border].mean(), (~high)[border].mean()
+    return high if share_high <= share_low else ~high
+
+
+def dice(a, b) -> float:
+    """2 |a and b| / (|a| + |b|); 1 where both are empty."""
+    total = a.sum() + b.sum()
+    return float(2.0 * (a & b).sum() / total) if total else 1.0
+
+
+def intersection_over_union(a, b) -> float:
+    """|a and b| / |a or b|; 1 where both are empty."""
+    union = (a | b).sum()
+    return float((a & b).sum() / union) if union else 1.0
+
+
+def _boundary(mesh: Mesh, shape):
+    """Midpoints of the cell sides that separate the shape from the rest."""
+    cells, _, middle = mesh.neighbours()
+    return middle[shape[cells[:, 0]] != shape[cells[:, 1]]]
+
+
+def boundary_distance(mesh: Mesh, a, b) -> float:
+    """Mean distance between the outlines of two shapes, symmetric, in the length unit of the mesh."""
+    first, second = _boundary(mesh, a), _boundary(mesh, b)
+    if len(first) == 0 or len(second) == 0:
+        return float("nan")
+    return float(0.5 * (cKDTree(second).query(first)[0].mean() + cKDTree(first).query(second)[0].mean()))
+
+
+def registered_dice(found, shape, X: Float[np.ndarray, "cell 2"]) -> tuple[float, tuple]:
+    """Best Dice score over small shifts and changes of size of the reference shape.
+
+    Args:
+        found: cells of the found inclusion.
+        shape: the reference as a function of unit-square points.
+        X: cell centres in the unit square.
+
+    Returns:
+        (Dice, (shift x, shift y, scale x, scale y)).
+    """
+
+    def score(place):
+        """Dice score of the reference moved and stretched by ``place``."""
+        shift, size = np.array(place[:2]), 1.0 + np.array(place[2:])
+        return dice(found, shape((X - 0.5 - shift) / size + 0.5) > 0.5)
+
+    best, place = score((0.0,) * 4), (0.0,) * 4
+    step = REGISTRATION_LIMIT
+    for _ in range(REGISTRATION_HALVINGS + 1):
+        # Around the best so far, on a grid that becomes finer; the score has steps, so no derivative helps.
+        around = (np.array([p - step, p, p + step]).clip(-REGISTRATION_LIMIT, REGISTRATION_LIMIT) for p in place)
+        for trial in itertools.product(*map(np.unique, around)):
+            if (value := score(trial)) > best:
+                best, place = value, trial
+        step /= 2.0
+    dx, dy, sx, sy = map(float, place)
+    return best, (dx, dy, 1.0 + sx, 1.0 + sy)
+
+
+def most_interior(mesh: Mesh, shape) -> np.ndarray:
+    """For the matrix and the inclusion, the cell farthest from the other one and from the border."""
+    centres = mesh.centres
+    to_border = np.minimum(centres - mesh.lower, mesh.upper - centres).min(axis=1)
+    chosen = []
+    for side in (~shape, shape):
+        distance = to_border.copy()
+        if (~side).any():
+            distance = np.minimum(distance, cKDTree(centres[~side]).query(centres)[0])
+        chosen.append(int(np.argmax(np.where(side, distance, -1.0))))
+    return np.array(chosen)

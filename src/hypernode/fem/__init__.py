@@ -1,0 +1,1 @@
+"""Finite elements: meshes, equilibrium, nodal forces. Discrete; knows no data."""

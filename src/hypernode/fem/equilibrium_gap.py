@@ -1,0 +1,144 @@
+"""Discrete equilibrium of a cell-wise stress field on a quadrilateral mesh.
+
+Stresses live at the cell centres, P[i, J, step, cell]. The nodal force of a hat function is then
+R_a = sum_c A_c P_c . dN_a/dX, which on a regular grid equals the central-difference divergence at
+the node times the cell area.
+"""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+from jax.experimental.sparse import BCOO
+from jaxtyping import Array, Bool, Float
+
+from hypernode.fem.mesh import Mesh
+from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix, virtual_fields
+
+#: Blocks of columns of a dense inverse, each summed by itself: a sum of thousands in float32, whose terms nearly
+#: cancel, is three times as wrong.
+BLOCKS = 8
+
+
+def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
+    """(test functions T, their energy matrix, the tied edge) for one displacement component."""
+    T, edge = virtual_fields(mesh, component, constrained, measured)
+    energy = (T.T @ K @ T).tocsc()
+    # A component that no edge holds can translate freely: its residual is balanced by construction,
+    # so any stiffness of the translation gives the same gap.
+    if not constrained[:, component].any():
+        energy[0, 0] += energy.diagonal().mean()
+    return T, energy, edge
+
+
+def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Float[np.ndarray, " step"]:
+    """:class:`EquilibriumGap` of given stresses, by sparse solves: for judging, not for training.
+
+    Args:
+        constrained, measured: as in :meth:`EquilibriumGap.build`.
+        P: cell stresses [step, cell, i, J].
+        resultant: force on the tied edge per component and unit thickness (step, 2).
+        scale: stress unit of each step.
+    """
+    D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
+    total = np.zeros(len(P))
+    for component in range(2):
+        T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+        R = T.T @ sum(D[J] @ P[:, :, component, J].T for J in range(2))
+        if edge is not None:
+            R[-1] -= resultant[:, component]
+        total += np.sum(R * scipy.sparse.linalg.spsolve(energy, R).reshape(R.shape), axis=0)
+    return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
+
+
+def _compliant_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
+    """K^-1 R from the blocks of columns of K^-1."""
+    ends = np.cumsum([block.shape[1] for block in compliance])[:-1]
+    return sum(block @ part for block, part in zip(compliance, jnp.split(R, ends), strict=True))
+
+
+@jax.custom_vjp
+def _energies(R: Float[Array, "test step"], compliance: tuple) -> Float[Array, " step"]:
+    """R K^-1 R of each column, differentiated by R alone; the dense product is what costs, and one serves both."""
+    return jnp.sum(R * _compliant_field(compliance, R), axis=0)
+
+
+def _energies_and_field(R, compliance):
+    field = _compliant_field(compliance, R)
+    return jnp.sum(R * field, axis=0), field
+
+
+_energies.defvjp(_energies_and_field, lambda field, slope: (2.0 * slope * field, None))
+
+
+@dataclass(frozen=True)
+class EquilibriumGap:
+    """Distance of a stress field from the nearest one in equilibrium with the measured forces.
+
+    The residual of the virtual work, R = sum P : grad phi - f, is measured in the norm dual to the
+    energy of the test functions: gap^2 = R K^-1 R / (A |P_ave|^2) with K the Laplacian on the same
+    functions. That equals the relative L2 distance to the nearest statically admissible stress, and
+    weights the residual by the inverse covariance of the divergence of a white stress error, so
+    that equilibrium and resultants need no weights of their own.
+
+    Attributes:
+        work: sparse maps[i][J] from cell stress to the virtual work (test function, cell).
+        loads: virtual work of a unit resultant per component (test function,), zero where none is measured.
+        compliance: K^-1 per component, as :data:`BLOCKS` blocks of columns.
+        area: area of the sheet.
+    """
+
+    work: tuple
+    loads: tuple
+    compliance: tuple
+    area: float
+
+    @classmethod
+    def build(
+        cls,
+        mesh: Mesh,
+        constrained: Bool[np.ndarray, "edge 2"],
+        measured: Bool[np.ndarray, "edge 2"],
+        variance: float | Float[np.ndarray, " cell"] = 1.0,
+    ) -> "EquilibriumGap":
+        """Assemble for one test.
+
+        Args:
+            mesh: the measured grid.
+            constrained: whether each edge's displacement component is prescribed.
+            measured: whether the resultant of each edge and component is known.
+            variance: of the stress in each cell over the mean one (cell,); stress that is in doubt is cheaper to
+                correct, and the gap is what the cheapest correction costs.
+        """
+        D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh, variance)
+        work, loads, compliance = [], [], []
+        for component in range(2):
+            T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+            work.append(tuple(BCOO.from_scipy_sparse((T.T @ D[J]).astype(np.float32)) for J in range(2)))
+            inverse = np.linalg.inv(energy.toarray()).astype(np.float32)
+            compliance.append(tuple(jnp.asarray(block) for block in np.array_split(inverse, BLOCKS, axis=1)))
+            unit = np.zeros(T.shape[1])
+            if edge is not None:
+                unit[-1] = 1.0
+            loads.append(jnp.asarray(unit, jnp.float32))
+        return cls(tuple(work), tuple(loads), tuple(compliance), float(mesh.areas.sum()))
+
+    def squared(
+        self, P: Float[Array, "2 2 step cell"], resultant: Float[Array, "step 2"], scale: Float[Array, " step"]
+    ) -> Float[Array, " step"]:
+        """The squared gap of every step.
+
+        Args:
+            P: cell stresses.
+            resultant: force on the tied edge per component and unit thickness (any number where
+                nothing is tied).
+            scale: stress unit of each step.
+        """
+        total = jnp.zeros_like(scale)
+        for i in range(2):
+            R = sum(self.work[i][J] @ P[i, J].T for J in range(2)) - self.loads[i][:, None] * resultant[:, i]
+            total = total + _energies(R / (scale * self.area**0.5), self.compliance[i])
+        return total

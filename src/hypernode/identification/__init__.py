@@ -1,0 +1,1 @@
+"""The inverse problem: the material field under which equilibrium explains a test."""

@@ -1,0 +1,153 @@
+"""How residuals of a finite-element equilibrium follow from the parameters of its material, exactly.
+
+With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The Jacobian of a sheet is
+dense, of some thousand residuals by some thousand parameters and load step. It is known as products, each of which
+costs a back-substitution with the factors of the tangent stiffness K; they take one vector or the columns of a matrix.
+
+The steps of one test are points of one smooth path, along which the Jacobian grows nearly with the load. What all of
+them together say of the curvature, two of them say as well, by a quadrature rule.
+"""
+
+from itertools import combinations
+
+import numpy as np
+import scipy.linalg
+from jaxtyping import Float
+
+from hypernode.fem.factors import factorise
+
+#: Variance that errors of held edges add to a combination of residuals, over its own, below which it is left out.
+NEGLIGIBLE_VARIANCE = 1e-2
+
+
+def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
+    """Weights of two load steps of a test, zero for the others, whose weighted sum stands for that of all steps.
+
+    Exact for what grows with the square and the cube of the load. Of the pairs with positive weights the one that comes
+    closest for its fourth power and for what does not grow at all; where there is none, every step counts once.
+
+    Args:
+        sizes: load of every step.
+    """
+    best, rule = np.inf, np.ones(len(sizes))
+    if len(sizes) <= 2:
+        return rule
+    moments = sizes ** np.arange(5)[:, None]
+    total = moments.sum(axis=1)
+    for pair in map(list, combinations(range(len(sizes)), 2)):
+        if np.ptp(sizes[pair]) == 0.0:
+            continue
+        weights = np.linalg.solve(moments[2:4, pair], total[2:4])
+        error = np.abs(moments[[0, 4]][:, pair] @ weights / total[[0, 4]] - 1.0).sum()
+        if weights.min() > 0.0 and error < best:
+            best, rule = error, np.zeros(len(sizes))
+            rule[pair] = weights
+    return rule
+
+
+class StepJacobian:
+    """The Jacobian J (residual, parameter) of one load step at one material field.
+
+    Residuals are the seen displacements of the step, then its forces, over their uncertainties. Errors of the held
+    edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges' independent
+    errors. Its inverse root is I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
+
+    Attributes:
+        factor: factors of the free tangent stiffness.
+        seen, parameters: how many displacements are seen, and how many parameters there are.
+
+    Args:
+        K: tangent stiffness (degree of freedom, degree of freedom).
+        B: derivative of the nodal forces by the parameters (degree of freedom, parameter).
+        free: free degrees of freedom.
+        observe: seen displacements over their uncertainty from all of them.
+        forces: direction (degree of freedom,) and uncertainty of every measured resultant.
+        errors: errors of the held displacements (degree of freedom, independent standard normal number).
+    """
+
+    def __init__(self, K, B, free, observe, forces, errors):
+        rows = K[free]
+        self.factor = factorise(rows[:, free])
+        self._load, self._observe = B[free], observe[:, free]
+        self._load_transposed = self._load.T.tocsr()
+        reactions = [K @ direction / sigma for direction, sigma in forces]
+        self._force_rows = np.zeros((len(forces), B.shape[1]))
+        for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
+            row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
+        self.seen, self.parameters = observe.shape[0], B.shape[1]
+        held = np.flatnonzero(errors.any(axis=1))
+        du = errors.copy()
+        du[free] = -self.factor.solve(rows[:, held] @ errors[held])
+        A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
+        variance, V = scipy.linalg.eigh(A.T @ A)
+        told = variance > NEGLIGIBLE_VARIANCE
+        self._shared, self._variance = A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
+
+    def displacement(self, change):
+        """First-order change of the free displacements."""
+        return -self.factor.solve(self._load @ change)
+
+    def _without(self, share, residual):
+        """``residual`` without a share of it in each of the directions that errors of the edges have."""
+        return residual - self._shared @ (share * (self._shared.T @ residual).T).T
+
+    def whiten(self, residual):
+        """Residuals that share the errors of held edges, as independent ones of unit variance."""
+        return self._without(1.0 - 1.0 / np.sqrt(1.0 + self._variance), residual)
+
+    def _adjoint(self, residual):
+        """J^T residual, not whitened."""
+        seen, forces = np.split(residual, [self.seen])
+        return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._observe.T @ seen)
+
+    def adjoint(self, residual):
+        """J^T residual."""
+        return self._adjoint(self.whiten(residual))
+
+    def curvature(self, change):
+        """J^T J change."""
+        residual = np.concatenate([self._observe @ self.displacement(change), self._force_rows @ change])
+        return self._adjoint(self._without(self._variance / (1.0 + self._variance), residual))
+
+
+class Jacobian:
+    """The Jacobian J (residual, parameter) of all load steps.
+
+    Residuals are the seen displacements step by step, then the forces.
+
+    Args:
+        force_steps: the load step of every force.
+        sigma: the uncertainty of displacements that residuals are over.
+        shares: weight of every load step in :meth:`nearly_curvature`.
+    """
+
+    def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float, shares):
+        self.steps, self.sigma, self._shares = steps, sigma, shares
+        of_step = np.concatenate([*(np.full(step.seen, k) for k, step in enumerate(steps)), np.array(force_steps, int)])
+        self._rows = [np.flatnonzero(of_step == k) for k in range(len(steps))]
+        #: (residuals, parameters).
+        self.shape = len(of_step), steps[0].parameters
+
+    def displacement(self, change) -> list[np.ndarray]:
+        """First-order change of the free displacements of every step."""
+        return [step.displacement(change) for step in self.steps]
+
+    def whiten(self, residual: Float[np.ndarray, " residual"]):
+        """Residuals that share the errors of held edges, as independent ones of unit variance."""
+        white = np.empty_like(residual)
+        for step, rows in zip(self.steps, self._rows, strict=True):
+            white[rows] = step.whiten(residual[rows])
+        return white
+
+    def adjoint(self, residual: Float[np.ndarray, " residual"]):
+        """J^T residual."""
+        return sum(step.adjoint(residual[rows]) for step, rows in zip(self.steps, self._rows, strict=True))
+
+    def curvature(self, change):
+        """J^T J change, step by step: the factors of one serve twice while they are at hand."""
+        return sum(step.curvature(change) for step in self.steps)
+
+    def nearly_curvature(self, change):
+        """:meth:`curvature` by the steps that have a share: a fraction of the time, and as good for a step downhill."""
+        used = zip(self._shares, self.steps, strict=True)
+        return sum(share * step.curvature(change) for share, step in used if share > 0.0)

@@ -1,0 +1,54 @@
+"""The identified (or true) material of a sheet as three functions of position and deformation."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+class Material:
+    """A heterogeneous hyperelastic sheet.
+
+    Attributes:
+        units: what ``stress`` and ``energy`` (per reference volume) and ``length`` mean.
+    """
+
+    def __init__(self, params_at, stress, energy, units: dict[str, str]):
+        self._params_at, self.units = params_at, units
+        self._stress, self._energy = jax.jit(stress), jax.jit(energy)
+        self._tangent = jax.jit(partial(_tangent, stress))
+
+    def _evaluate(self, function, X, F):
+        """``function`` of every state F [..., n, i, J], one after the other: it is compiled once for any number."""
+        X, F = jnp.asarray(X), jnp.asarray(F)
+        if X.ndim != 2 or X.shape[1] != 2 or F.shape[-3:] != (len(X), 2, 2):
+            raise ValueError(f"X must be (n, 2) and F (..., n, 2, 2), not {X.shape} and {F.shape}")
+        params = self._params_at(X)
+        states = jnp.moveaxis(F.reshape(-1, *F.shape[-3:]), 1, -1)
+        found = jnp.stack([jnp.moveaxis(function(state, params), -1, 0) for state in states])
+        return found.reshape(*F.shape[:-2], *found.shape[2:])
+
+    def energy(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n"]:
+        """Energy density Psi(X, F), zero at F = I.
+
+        Args:
+            X: positions, in the length unit of the test.
+            F: in-plane deformation gradients, of one or more states of all positions.
+        """
+        return self._evaluate(self._energy, X, F)
+
+    def stress(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2"]:
+        """First Piola-Kirchhoff stress P[..., n, i, J]; arguments as in :meth:`energy`."""
+        return self._evaluate(self._stress, X, F)
+
+    def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2 2 2"]:
+        """dP_iJ/dF_kL as [..., n, i, J, k, L]; arguments as in :meth:`energy`."""
+        return self._evaluate(self._tangent, X, F)
+
+
+def _tangent(stress, F, params):
+    """dP_iJ/dF_kL as [i, J, k, L, n], by the derivative in each of the four directions at once."""
+    _, derivative = jax.linearize(lambda F: stress(F, params), F)
+    directions = jnp.broadcast_to(jnp.eye(4, dtype=F.dtype).reshape(4, 2, 2, 1), (4, *F.shape))
+    return jnp.moveaxis(jax.vmap(derivative)(directions), 0, 2).reshape(2, 2, 2, 2, -1)

@@ -1,0 +1,138 @@
+"""The identified (or true) material of a sheet as three functions of position and deformation."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from hypernode.config.methods import Frequencies
+from hypernode.material.basis_file import basis_field
+from hypernode.material.field import Material
+from hypernode.material.laws import mean_of_subcells, node_energy, node_stress
+from hypernode.mechanics.closed_forms import energy_density, energy_derivatives
+from hypernode.mechanics.kinematics import invariants
+from hypernode.mechanics.stress import first_piola_kirchhoff
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.networks.weights import from_arrays
+from hypernode.storage.netcdf import StorageError, read, units_of
+
+
+def nearest_cell(file: xr.Dataset):
+    """X (point, 2) -> number of the cell whose centre is nearest."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(file["X"].values[file["cells"].values].mean(axis=1))
+    return lambda X: tree.query(np.asarray(X))[1]
+
+
+def posterior_material(file: xr.Dataset) -> Material | None:
+    """All draws of a constrained field as one material, or None where it has none.
+
+    Its positions are the cell centres, once for each draw. Stress and energy are to first order in the draw's distance
+    from the best field, as the draws themselves are: parameters that trade places are far apart one by one.
+    """
+    basis, best = basis_field(file)
+    names = [f"posterior.{name}" for name in basis.names]
+    if names[0] not in file:
+        return None
+    draws = np.stack([file[name].values for name in names])
+    change = np.moveaxis(draws - best[:, None], 1, 2)
+    params = tuple(
+        jnp.asarray(np.broadcast_to(each, change.shape).reshape(*best.shape[:2], -1))
+        for each in (best[:, :, None], change)
+    )
+
+    def linear(law):
+        """Of the best field, and its first-order change."""
+        of_cells = mean_of_subcells(law)
+
+        def extended(F, params):
+            value, change = jax.jvp(lambda p: of_cells(F, p), params[:1], params[1:])
+            return value + change
+
+        return extended
+
+    return Material(lambda X: params, linear(basis.stress), linear(basis.energy), units_of(file))
+
+
+def _convex_basis(file: xr.Dataset) -> Material:
+    basis, params = basis_field(file)
+    cell = nearest_cell(file)
+    laws = mean_of_subcells(basis.stress), mean_of_subcells(basis.energy)
+    return Material(lambda X: jnp.asarray(params[..., cell(X)]), *laws, units_of(file))
+
+
+def _closed_form(file: xr.Dataset) -> Material:
+    models = tuple(json.loads(file.attrs["models"]))
+    values = {v.split(".", 1)[1]: file[v].values for v in file if v.startswith("material.")}
+    cell = nearest_cell(file)
+
+    def params_at(X):
+        at = cell(X)
+        return {key: jnp.asarray(value[at]) for key, value in values.items()}
+
+    def stress(F, params):
+        angle = params.get("fibre_angle", jnp.zeros(()))
+        return first_piola_kirchhoff(F, energy_derivatives(models, invariants(F, angle), params), angle)
+
+    def energy(F, params):
+        return energy_density(models, invariants(F, params.get("fibre_angle", jnp.zeros(()))), params)
+
+    return Material(params_at, stress, energy, units_of(file))
+
+
+def parameter_field(file: xr.Dataset):
+    """(material, X -> node_params[size, point]) of a file that holds a hyper-network."""
+    material = NodeMaterial(
+        **{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()}
+    )
+    settings = Frequencies.model_validate_json(file.attrs["hypernetwork"])
+    network = from_arrays(settings, 0, material.size, file, "hypernetwork")
+    lower = jnp.asarray(file["corners"].values[0], jnp.float32)
+    length = float(file.attrs["length_scale"])
+    return material, lambda X: network((jnp.asarray(X, jnp.float32) - lower) / length).T
+
+
+def _node(file: xr.Dataset) -> Material:
+    material, params_at = parameter_field(file)
+    units = material.units_as_data
+
+    def compiled_once(function):
+        """The units of a material are arguments, so that materials of one architecture share what is compiled."""
+
+        def of_units(F, params):
+            units, node_params = params
+            return function(dataclasses.replace(material, **units), F, node_params)
+
+        return of_units
+
+    return Material(
+        lambda X: (units, params_at(X)), compiled_once(node_stress), compiled_once(node_energy), units_of(file)
+    )
+
+
+_KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "node": _node}
+
+
+def material_of(file: xr.Dataset) -> Material:
+    """The material field of an opened result file that holds one."""
+    return _KINDS[file.attrs["material_kind"]](file)
+
+
+def load_material(path: str | Path) -> Material:
+    """The material field stored in a result file, identified or true.
+
+    Args:
+        path: ``material.nc`` or ``constrained.nc`` of a run, or ``true_material.nc`` of a synthetic case.
+
+    Raises:
+        StorageError: the file is missing, damaged, or holds no material.
+    """
+    file = read(path)
+    if file.attrs.get("material_kind") not in _KINDS:
+        raise StorageError(f"{path}: holds no material; load material.nc of a run or true_material.nc of a case")
+    return material_of(file)

@@ -1,0 +1,1 @@
+"""Virtual tests: geometry, true material, forward problem, camera."""

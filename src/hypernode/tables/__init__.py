@@ -1,0 +1,1 @@
+"""Tables of runs, times and settings, from opened result files only."""

@@ -1,0 +1,1 @@
+"""Networks fitted to a field: the loop, the losses, the targets."""

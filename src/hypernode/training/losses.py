@@ -1,0 +1,194 @@
+"""Stage 8: the material under which the measured deformation is in equilibrium with the forces."""
+
+from collections.abc import Callable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.config.methods import Training
+from hypernode.fem.gradient import mean_gradient
+from hypernode.fem.nodal_forces import nodal_force_matrices
+from hypernode.identification.regulariser import SMALLEST_JUMP
+from hypernode.material.laws import node_stress
+from hypernode.storage.netcdf import read
+from hypernode.training.interpolant import InterpolatedGradient
+from hypernode.training.problem import InverseProblem
+
+#: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
+DEFAULT_POINTS = 250
+
+
+def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
+    """Squared distance of the stress P[i, J, step, cell] from the nearest equilibrated one.
+
+    Like every loss of :data:`LOSSES` a function of (P, network, key).
+    """
+    tests = [
+        (steps, gap, jnp.asarray(problem.loading.resultant[steps], jnp.float32), problem.scale[steps])
+        for steps, gap in problem.gaps()
+    ]
+
+    def loss(P, network, key):
+        total = 0.0
+        for steps, gap, resultant, scale in tests:
+            total += jnp.sum(gap.squared(P[:, :, steps], resultant, scale))
+        return settings.equilibrium_weight * total / len(problem.loading.t)
+
+    return loss
+
+
+def _edge_terms(problem: InverseProblem) -> Callable:
+    """Mean squared error of measured resultants and of tractions on free edges, from edge cells.
+
+    The resultant enters through the cells along each edge (``main_loss_function``); only pairs of
+    edge and component that are measured or free contribute.
+    """
+    mesh, loading = problem.mesh, problem.loading
+    low, high = mesh.centres.min(axis=0), mesh.centres.max(axis=0)
+    spacing = np.sqrt(mesh.areas.mean())
+    groups = []
+    for edge, (axis, sign) in enumerate(((0, -1), (0, 1), (1, -1), (1, 1))):
+        on = np.abs(mesh.centres[:, axis] - (high if sign > 0 else low)[axis]) < 0.25 * spacing
+        groups.append((edge, axis, np.flatnonzero(on)))
+
+    def terms(P):
+        """Mean squared error of the mean traction on every edge that is measured or free."""
+        total = 0.0
+        for edge, axis, cells in groups:
+            for i in range(2):
+                traction = P[i, axis][:, cells] / problem.scale[:, None]
+                held = loading.constrained[loading.load_case, edge, i]
+                known = loading.measured[:, i, axis] & held
+                target = jnp.asarray(loading.P_average[:, i, axis] / loading.scale, jnp.float32)
+                total += jnp.mean(jnp.asarray(known) * (jnp.mean(traction, axis=1) - target) ** 2)
+                total += jnp.mean(jnp.asarray(~held)[:, None] * traction**2)
+        return total
+
+    return terms
+
+
+def strong(problem: InverseProblem, settings: Training) -> Callable:
+    """Mean square of the central-difference divergence at interior nodes, plus edge terms."""
+    mesh = problem.mesh
+    count = np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))
+    interior = np.flatnonzero(count == 4)
+    nodal_area = np.bincount(mesh.cells.ravel(), np.repeat(mesh.areas / 4, 4), len(mesh.nodes))
+    gather = mesh_gather(mesh, interior)
+    edges = _edge_terms(problem)
+    length = problem.length
+
+    def loss(P, network, key):
+        divergence = [gather(P[i]) / nodal_area[interior] for i in range(2)]
+        residual = sum(jnp.mean((d * length / problem.scale[:, None]) ** 2) for d in divergence)
+        return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
+
+    return loss
+
+
+def mesh_gather(mesh, nodes) -> Callable:
+    """Nodal forces at ``nodes`` (all with four cells) as a gather: P[J, step, cell] -> [step, node]."""
+    matrices = [D.tocsr()[nodes] for D in nodal_force_matrices(mesh)]
+    columns = np.stack([row.indices.reshape(len(nodes), 4) for row in (m.sorted_indices() for m in matrices)])
+    values = np.stack([row.data.reshape(len(nodes), 4) for row in (m.sorted_indices() for m in matrices)])
+    weights = jnp.asarray(values, jnp.float32)
+
+    def apply(P):
+        return sum(jnp.sum(P[J][:, columns[J]] * weights[J], axis=-1) for J in range(2))
+
+    return apply
+
+
+def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = False):
+    """Div P at points by forward-mode derivatives along X and Y.
+
+    (Div P)_i = dP_iX/dX + dP_iY/dY with P not symmetric (equation ``eq:equilibrium``).
+
+    Args:
+        network: hyper-network.
+        X: scaled positions (point, 2).
+        F, dF: deformation gradient [i, J, step, point] and its derivatives [k, i, J, step, point] along the two
+            *unscaled* coordinates.
+        transposed: differentiate P^T instead, the slip whose effect is an ablation.
+
+    Returns:
+        (divergence[i, step, point], P).
+    """
+    node_params, along = jax.linearize(lambda X: network(X).T, X)
+    # Both coordinates at once: one by one a step takes a sixth longer.
+    unit = jnp.eye(2, dtype=X.dtype)[:, None]
+    dparams = jax.vmap(along)(jnp.broadcast_to(unit, (2, *X.shape))) / problem.length
+    P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
+    dP = jax.vmap(tangent)(dF, dparams)
+    if transposed:
+        dP = jnp.swapaxes(dP, 1, 2)
+    return dP[0][:, 0] + dP[1][:, 1], P
+
+
+def autodiff(
+    problem: InverseProblem, settings: Training, batch_mean: bool = False, transposed: bool = False
+) -> Callable:
+    """Mean square of the exact Div P at random cell centres, plus edge terms: the paper's loss.
+
+    Args:
+        batch_mean: square the mean over the points instead, which lets imbalance of one point cancel that of
+            another; with ``transposed`` (see :func:`divergence`) a slip whose effect is an ablation.
+    """
+    X = jnp.asarray(problem.mesh.centres, jnp.float32)
+    unit = jnp.eye(2)
+    interpolated = InterpolatedGradient(read(problem.files["field"]))
+    dF = jnp.stack([jax.jvp(interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
+    cells = len(X)
+    count = min(settings.points or DEFAULT_POINTS, cells)
+    mesh = problem.mesh
+    border = np.flatnonzero(np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4)
+    edges = _edge_terms(problem)
+
+    def loss(P, network, key):
+        """Div P at points drawn anew, and the edge terms at every cell of the border; other cells are not asked."""
+        at = jax.random.choice(key, cells, (count,), replace=False)
+        div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
+        relative = div * problem.length / problem.scale[:, None]
+        if batch_mean:
+            relative = jnp.mean(relative, axis=-1)
+        residual = jnp.mean(jnp.sum(relative**2, axis=0))
+        P_border = node_stress(problem.node, problem.F[..., border], network(problem.X[border]).T)
+        P = jnp.zeros((*P_border.shape[:-1], cells)).at[..., border].set(P_border)
+        return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
+
+    return loss
+
+
+LOSSES = {
+    "equilibrated": equilibrated,
+    "strong": strong,
+    "autodiff": autodiff,
+    "batch_mean": partial(autodiff, batch_mean=True),
+    "wrong_index": partial(autodiff, transposed=True),
+}
+
+
+def variation(problem: InverseProblem) -> tuple[jax.Array, Callable]:
+    """Total variation of the stress of the sheet under its mean deformation.
+
+    Sum over shared sides of length x |jump of P| for the mean F of the largest step of each test, over the sheet's
+    length and the load's stress: the length of a contour times the contrast across it. Stress along stiff fibres
+    that varies from one fibre to the next is in equilibrium whatever it is, and the gap does not see it.
+
+    Returns:
+        (F[i, J, test, cell], cost of the stress P[i, J, test, cell] there).
+    """
+    sides, length, _ = problem.mesh.neighbours()
+    share = jnp.asarray(length / problem.length, jnp.float32)
+    largest = np.flatnonzero(problem.loading.t == 1.0)
+    F = mean_gradient(problem.mesh, np.asarray(problem.F)[:, :, largest])
+    F = jnp.broadcast_to(jnp.asarray(F, jnp.float32), (*F.shape[:3], len(problem.mesh.cells)))
+    scale = problem.scale[largest][:, None]
+
+    def cost(P):
+        relative = P / scale
+        jump = relative[..., sides[:, 1]] - relative[..., sides[:, 0]]
+        return jnp.sum(share * jnp.sqrt(jnp.sum(jump**2, axis=(0, 1, 2)) + SMALLEST_JUMP**2))
+
+    return F, cost

@@ -1,0 +1,155 @@
+"""A wrong configuration is refused with key, value, line and a way out; a right one is expanded."""
+
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from hypernode.config.loading import ConfigError, check_config, load_config
+from hypernode.config.slices import from_slice, slice_for
+
+ROOT = Path(__file__).resolve().parents[2]
+
+OPTIMISER = {"iterations": 1}
+NETWORK = {"features": 2, "frequency_scale": 1.0, "widths": [2]}
+BASE = {
+    "geometries": {"disc": {"shape": "disc", "radius": 0.2}, "plain": {"shape": "uniform"}},
+    "materials": {"soft": {"model": "neo_hookean", "mu": 1.0}, "stiff": {"model": "neo_hookean", "mu": 2.0}},
+    "loads": {"pull": {"kind": "equibiaxial", "stretches": [1.1]}},
+    "noise": {"low": {"sigma": 1e-4}, "high": {"sigma": 1e-3}},
+    "methods": {
+        "m": {
+            "interpolant": {**NETWORK, **OPTIMISER}, "node": {"terms": ["I1"], "hidden": [2]}, "hypernetwork": NETWORK,
+            **{stage: OPTIMISER for stage in ("homogenised", "initialisation", "pretraining", "training")},
+        }
+    },
+    "cases": {"a": {"geometry": "disc", "inclusion": "stiff", "matrix": "soft", "loads": ["pull"], "methods": ["m"]}},
+}  # fmt: skip
+
+
+def changed(path, value):
+    config = copy.deepcopy(BASE)
+    target = config
+    for part in path[:-1]:
+        target = target.setdefault(part, {})
+    if value is None:
+        del target[path[-1]]
+    else:
+        target[path[-1]] = value
+    return config
+
+
+def test_a_valid_configuration_passes():
+    assert check_config(copy.deepcopy(BASE)).cases["a"].cells == (50, 50)
+
+
+BROKEN = [
+    (("geometrie",), {}, r"geometrie: unknown key; did you mean 'geometries'"),
+    (("geometries", "disc", "radus"), 0.2, r"geometries\.disc\.radus: unknown key; did you mean 'radius'"),
+    (("geometries", "disc", "radius"), -1, r"geometries\.disc\.radius = -1: input should be greater than 0"),
+    (("geometries", "disc", "shape"), "disk", r"did you mean 'disc'"),
+    (("geometries", "disc"), {"shape": "image", "path": "no.png"}, r"geometries\.disc\.path = 'no.png': no such file"),
+    (("materials", "soft", "mu"), "hard", r"materials\.soft: 'mu' must be a number, not 'hard'"),
+    (("materials", "soft", "nu"), 1.0, r"materials\.soft: 'nu' is not a parameter of neo_hookean \(mu\)"),
+    (("materials", "soft", "mu"), -2.0, r"materials\.soft: 'mu' = -2.0 is outside"),
+    (("materials", "soft", "model"), "neohookean", r"did you mean 'neo_hookean'"),
+    (("loads", "pull", "kind"), "equibiaxal", r"did you mean 'equibiaxial'"),
+    (("loads", "pull", "stretches"), [], r"loads\.pull\.stretches"),
+    (("loads", "pull", "stretches"), [[1.1, 1.2]], r"stretches of a equibiaxial load are single numbers"),
+    (("noise", "low", "sigma"), "small", r"noise\.low\.sigma = 'small'"),
+    (("noise", "low", "repeats"), 0, r"noise\.low\.repeats = 0"),
+    (("methods", "m", "node", "terms"), ["I1", "I3"], r"terms\.1 = 'I3': not allowed; did you mean 'I"),
+    (("methods", "m", "node", "terms"), ["I4v"], r"terms need I1 or I2"),
+    (("methods", "m", "training", "iteration"), 5, r"unknown key; did you mean 'iterations'"),
+    (("methods", "m", "seed"), -1, r"methods\.m\.seed = -1"),
+    (("methods", "m", "node"), None, r"methods\.m: a method also needs node \(or name a baseline\)"),
+    (("methods", "m", "baseline"), "homogeneous", r"a baseline has no networks: leave out node"),
+    (("methods", "m"), {"baseline": "constrained"}, r"the section constrained goes with baseline 'constrained'"),
+    (("methods", "m", "baseline"), "homogenous", r"did you mean 'homogeneous'"),
+    (("methods", "m", "constrained"), {"terms": ["I3"]}, r"methods\.m\.constrained\.terms\.0 = 'I3'"),
+    (("cases", "a", "hole"), "disk", r"cases\.a\.hole = 'disk': no such entry in geometries"),
+    (
+        ("cases", "a", "geometry"),
+        "disk",
+        r"cases\.a\.geometry = 'disk': no such entry in geometries; did you mean 'disc'",
+    ),
+    (("cases", "a", "methods"), [], r"cases\.a\.methods: list at least one"),
+    (("cases", "a", "loads"), ["push"], r"cases\.a\.loads\.0 = 'push'"),
+    (("cases", "a", "inclusion"), None, r"the geometry 'disc' needs an inclusion"),
+    (("cases", "a", "matrix"), None, r"a synthetic case also needs matrix"),
+    (("cases", "../evil"), BASE["cases"]["a"], r"cases\.\.\./evil: names use letters"),
+    (("cases",), {}, r"there is no case"),
+    (("figures",), {"f": {"kind": "identification", "case": "b", "method": "m"}}, r"figures\.f\.case = 'b'"),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "message"), BROKEN, ids=[".".join(p) + f"={v}"[:20] for p, v, _ in BROKEN])
+def test_a_mistake_is_named_with_its_key_and_the_way_out(path, value, message):
+    with pytest.raises(ConfigError, match=message):
+        check_config(changed(path, value))
+
+
+def test_errors_carry_file_and_line(tmp_path):
+    file = tmp_path / "config.yaml"
+    file.write_text(yaml.safe_dump(changed(("noise", "low", "sigma"), -1), sort_keys=False))
+    line = 1 + file.read_text().splitlines().index("    sigma: -1")
+    with pytest.raises(ConfigError, match=rf"config\.yaml:{line}: noise\.low\.sigma = -1"):
+        load_config(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a: [", r"yaml:\d+: not valid YAML"),
+        ("- 1\n- 2", "must be a mapping"),
+        ("a: 1\na: 2", r"yaml:2: .*written twice"),
+        ("a: !!python/object/apply:os.system ['true']", "not valid YAML"),
+        ("", "must be a mapping"),
+    ],
+)
+def test_what_is_not_a_configuration_is_refused(tmp_path, text, message):
+    (tmp_path / "c.yaml").write_text(text)
+    with pytest.raises(ConfigError, match=message):
+        load_config(tmp_path / "c.yaml")
+
+
+@pytest.mark.parametrize("written", ["4e5", "4E5", "4.0e5", "4.e+5", "0.4e6", ".4e6", "400000"])
+def test_a_number_may_be_written_as_everywhere(tmp_path, written):
+    file = tmp_path / "config.yaml"
+    file.write_text(yaml.safe_dump(changed(("materials", "soft", "mu"), "MU")).replace("MU", written))
+    assert load_config(file).materials["soft"].parameters == {"mu": 4e5}
+
+
+def test_a_digit_is_a_glyph():
+    assert check_config(changed(("geometries", "disc"), {"shape": "glyph", "text": 8})).geometries["disc"].text == "8"
+
+
+def test_a_grid_makes_every_combination():
+    config = copy.deepcopy(BASE)
+    config["grid"] = [{
+        "name": "{geometry}_{noise}", "geometry": "disc", "inclusion": "stiff", "matrix": "soft",
+        "noise": ["low", "high"], "loads": ["pull"], "methods": ["m"],
+    }]  # fmt: skip
+    assert set(check_config(config).cases) == {"a", "disc_low", "disc_high"}
+    config["grid"][0]["name"] = "{geometry}"
+    with pytest.raises(ConfigError, match="gives 'disc' twice"):
+        check_config(config)
+
+
+def test_a_rule_sees_only_its_part_of_the_configuration():
+    config = check_config(copy.deepcopy(BASE))
+    part = slice_for(config, "a", ("geometries", "materials"), keys=("geometry", "inclusion", "matrix"))
+    assert set(part) == {"cases", "geometries", "materials"} and "plain" not in part["geometries"]
+    assert from_slice(part).materials["stiff"].parameters == {"mu": 2.0}
+
+
+def test_shipped_configurations_are_valid():
+    assert load_config("config/config.yaml").cases and load_config("config/smoke.yaml").cases
+
+
+def test_a_method_means_the_same_in_every_configuration_of_the_paper_and_beyond():
+    main, grid = (load_config(ROOT / "config" / f"{name}.yaml") for name in ("config", "robustness"))
+    shared = main.methods.keys() & grid.methods.keys()
+    assert shared == grid.methods.keys()
+    assert all(main.methods[name] == grid.methods[name] for name in shared)

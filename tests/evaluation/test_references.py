@@ -1,0 +1,63 @@
+"""Sheets of one identified phase."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+
+from hypernode.evaluation.references import pulled_sheet, typical_places
+from hypernode.fem.mesh import EDGE_NAMES, rectilinear
+from hypernode.material.laws import node_stress
+from hypernode.networks.node_material import NodeMaterial
+from hypernode.progress import Progress
+
+
+def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge():
+    node = NodeMaterial(("I1", "I2"), (4,), 2, 0.4, 1.0)
+    params = jnp.asarray(node.initial_params(jax.random.key(3)), float)
+    mesh = rectilinear(np.linspace(0.0, 4.0, 7), np.linspace(0.0, 2.0, 5))
+    F = np.array([[0.96, 0.0], [0.0, 1.12]])
+    u = mesh.nodes @ (F - np.eye(2)).T
+    measurement = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
+            "relaxation": (("load_step",), np.ones(1)),
+        },
+        attrs={"thickness": 0.5, "displacement_noise": 0.0},
+    )
+    forces = pulled_sheet(measurement, node, params[None], Progress("references", "sheet", 1))
+    P = np.asarray(node_stress(node, jnp.asarray(F)[..., None], params[:, None]))[..., 0]
+    width = {"left": (-2.0, 0.0), "right": (2.0, 0.0), "bottom": (0.0, -4.0), "top": (0.0, 4.0)}
+    wanted = np.array([0.5 * P @ width[edge] for edge in EDGE_NAMES])
+    np.testing.assert_allclose(forces[0], wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max())
+    field = jnp.tile(params, (len(mesh.cells), 1, 1))
+    again = pulled_sheet(measurement, node, field, Progress("references", "sheet", 1))
+    np.testing.assert_array_equal(again, forces)
+    other = jnp.asarray(node.initial_params(jax.random.key(4)), float) + 0.3
+    alone = pulled_sheet(measurement, node, other[None], Progress("references", "sheet", 1))
+    both = pulled_sheet(measurement, node, jnp.stack([params, other]), Progress("references", "sheet", 1))
+    np.testing.assert_allclose(both, 0.5 * (forces + alone), rtol=1e-5, atol=1e-6 * np.abs(alone).max())
+    assert np.abs(alone - forces).max() > 0.1 * np.abs(forces).max()
+    recorded = measurement.assign(relaxation=("load_step", [1.25]))
+    np.testing.assert_allclose(pulled_sheet(recorded, node, field, Progress("references", "sheet", 1)), 1.25 * forces)
+
+
+def test_a_phase_is_represented_by_its_middle_half_and_an_absent_one_is_an_error():
+    mesh = rectilinear(np.arange(8.0), np.arange(2.0))
+    evaluation = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "shape": ("cell", [0, 1, 1, 1, 1, 1, 0]),
+            "trace_P": ("cell", [1.0, 9.0, 5.0, 7.0, 6.0, 8.0, 3.0]),
+        }
+    )
+    middle = [[4.5, 0.5], [3.5, 0.5], [3.5, 0.5], [3.5, 0.5], [5.5, 0.5]]
+    np.testing.assert_array_equal(typical_places(evaluation, "inclusion"), middle)
+    with pytest.raises(ValueError, match="no cell was found to belong to the inclusion"):
+        typical_places(evaluation.assign(shape=("cell", np.zeros(7, int))), "inclusion")

@@ -1,0 +1,58 @@
+"""Meshes and their division into parts."""
+
+import numpy as np
+import pytest
+
+from hypernode.fem.mesh import rectilinear
+from hypernode.fem.refinement import refine
+
+X_LINES, Y_LINES = np.array([0.0, 0.1, 0.25, 0.5, 1.0]), np.array([0.0, 0.3, 0.5, 0.8])
+
+
+def with_hole():
+    keep = np.ones((3, 4), dtype=bool)
+    keep[1, 1] = keep[2, 3] = False
+    return rectilinear(X_LINES, Y_LINES, keep)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_parts_fill_their_cells_and_no_hole(parts):
+    mesh = with_hole()
+    refined = refine(mesh, parts)
+    np.testing.assert_allclose(refined.mesh.areas[refined.parts].sum(axis=1), mesh.areas)
+    np.testing.assert_allclose(refined.mesh.centres[refined.parts].mean(axis=1), mesh.centres, atol=1e-12)
+    assert refined.parts.shape == (10, parts**2)
+    assert np.array_equal(np.sort(refined.parts.ravel()), np.arange(len(refined.mesh.cells)))
+    first, last = refined.mesh.centres[refined.parts[0, [0, -1]]]
+    assert parts == 1 or (first < last).all(), "row by row from the lower left"
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3])
+def test_interpolation_keeps_the_values_of_old_nodes_and_is_bilinear_between(parts):
+    mesh = with_hole()
+    refined = refine(mesh, parts)
+    np.testing.assert_array_equal(refined.mesh.nodes[refined.nodes], mesh.nodes)
+
+    def field(X):
+        return 0.2 + X[:, 0] - 2.0 * X[:, 1] + 0.7 * X[:, 0] * X[:, 1]
+
+    np.testing.assert_allclose(refined.interpolation @ field(mesh.nodes), field(refined.mesh.nodes), atol=1e-12)
+
+
+def test_a_mesh_divided_into_itself_is_itself():
+    mesh = with_hole()
+    same = refine(mesh, 1)
+    assert np.array_equal(same.mesh.nodes, mesh.nodes) and np.array_equal(same.mesh.cells, mesh.cells)
+    assert np.array_equal(same.interpolation.toarray(), np.eye(len(mesh.nodes)))
+
+
+def test_the_median_of_neighbours_drops_what_stands_alone_and_keeps_edges_and_corners_of_the_sheet():
+    axis = np.linspace(0.0, 1.0, 7)
+    mesh = rectilinear(axis, axis)
+    halves = np.where(mesh.centres[:, 0] > 0.5, 2.0, 1.0)
+    spoilt = np.stack([halves, 10.0 * halves], axis=1)
+    spoilt[[7, 22]] = 100.0
+    cleaned = mesh.median_of_neighbours(spoilt)
+    np.testing.assert_allclose(cleaned[[7, 22]], np.stack([halves, 10.0 * halves], axis=1)[[7, 22]])
+    far = np.abs(mesh.centres[:, 0] - 0.5) > 0.2
+    np.testing.assert_allclose(cleaned[far, 0], halves[far])

@@ -1,0 +1,65 @@
+"""Conjugate gradients that learn: the same answers in fewer iterations."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+
+from hypernode.identification.deflated_cg import KEPT, DeflatedCG
+
+
+def systems(rng, count=3, n=400, outliers=10):
+    """Matrices that share a few directions, of which a diagonal metric knows nothing, and differ a little."""
+    directions = np.linalg.qr(rng.normal(size=(n, outliers)))[0]
+    for _ in range(count):
+        turned = directions + 0.01 * rng.normal(size=directions.shape) / np.sqrt(n)
+        metric = scipy.sparse.diags(rng.uniform(1.0, 2.0, n)).tocsc()
+        yield metric, metric.toarray() + 1e3 * turned @ np.diag(np.arange(1.0, outliers + 1)) @ turned.T
+
+
+@pytest.fixture
+def counted():
+    """Solve a system with what is known; (solution, iterations, what is known then)."""
+
+    def solve(metric, matrix, b, known=None):
+        calls = []
+
+        def product(x):
+            calls.append(x.shape)
+            return matrix @ x
+
+        system = DeflatedCG(product, metric, known)
+        calls.clear()
+        return system.solve(b, 1e-8, 500), len(calls), system.learned()
+
+    return solve
+
+
+def test_what_one_solve_learned_saves_the_next_ones_most_of_their_iterations(counted):
+    rng, known = np.random.default_rng(0), None
+    spent = []
+    for metric, matrix in systems(rng):
+        b = rng.normal(size=len(matrix))
+        alone = counted(metric, matrix, b)[1]
+        x, iterations, known = counted(metric, matrix, b, known)
+        np.testing.assert_allclose(matrix @ x, b, atol=1e-6 * np.linalg.norm(b))
+        spent.append((iterations, alone))
+    assert spent[0][0] == spent[0][1]
+    assert all(learned < 0.5 * alone for learned, alone in spent[1:])
+    assert known.shape[1] <= KEPT
+
+
+def test_the_kept_directions_span_those_that_the_preconditioner_misses(counted):
+    rng = np.random.default_rng(1)
+    metric, matrix = next(systems(rng, 1))
+    known = counted(metric, matrix, rng.normal(size=len(matrix)))[2]
+    values, vectors = scipy.linalg.eigh(matrix, metric.toarray())
+    missed = np.linalg.qr(vectors[:, values > 100.0])[0]
+    cosines = np.linalg.svd(np.linalg.qr(known)[0].T @ missed, compute_uv=False)
+    assert missed.shape[1] == 10 and cosines.min() > 0.9999
+
+
+def test_a_right_hand_side_of_zero_has_the_solution_zero_and_teaches_nothing(counted):
+    metric, matrix = next(systems(np.random.default_rng(2), 1))
+    x, _, known = counted(metric, matrix, np.zeros(len(matrix)))
+    assert not x.any() and known is None

@@ -1,0 +1,109 @@
+"""What equilibrium makes of a field: exact derivatives, forces that are known, errors that residuals share."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from hypernode.config.methods import Constrained
+from hypernode.identification import problem as field_problem
+from hypernode.identification.problem import FieldProblem
+from hypernode.identification.sensitivities import quadrature
+from hypernode.mechanics.loads import make_load
+from tests.sheets import sheet, square
+
+
+@pytest.mark.parametrize("kind", ["equibiaxial", "uniaxial_x", "clamped_y"])
+@pytest.mark.parametrize(("window", "parts"), [(0.0, 1), (0.3, 1), (0.2, 2)])
+def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, parts, monkeypatch):
+    # Differences need a sharper equilibrium than an identification does.
+    monkeypatch.setattr(field_problem, "NEWTON_TOLERANCE", 1e-10)
+    data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3, window=window)
+    problem = FieldProblem(data, Constrained(terms=["I1_squared"]), parts)
+    params, _ = problem.inherited(params, [])
+    rng = np.random.default_rng(2)
+    params = params + rng.normal(0.0, 0.1, params.shape)
+    change = rng.normal(0.0, 1.0, params.size)
+    sigma = problem.sigma
+
+    states = problem.states(params, problem.extension(params))
+    linear = problem.linearise(params, states, sigma)
+
+    def residuals(params):
+        u, f = problem.residuals(problem.states(params, problem.extension(params)))
+        return linear.whiten(np.concatenate([*(r / sigma for r in u), f]))
+
+    step = change.reshape(params.shape)
+
+    def misfit(t):
+        return 0.5 * np.sum(residuals(params + t * step) ** 2)
+
+    gradient = linear.adjoint(residuals(params))
+    h = 1e-5
+    assert gradient @ change == pytest.approx((misfit(h) - misfit(-h)) / (2 * h), rel=1e-6)
+    J = np.stack([linear.adjoint(unit) for unit in np.eye(linear.shape[0])])
+    slope = (residuals(params + h * step) - residuals(params - h * step)) / (2 * h)
+    np.testing.assert_allclose(J @ change, slope, atol=1e-6 * np.abs(slope).max())
+    np.testing.assert_allclose(linear.curvature(change), J.T @ (J @ change), rtol=1e-10, atol=1e-12 * np.abs(J).max())
+
+
+def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():
+    pulled, biaxial = (sheet(8, square, make_load(kind, [1.1, 1.2]))[0] for kind in ("uniaxial_x", "equibiaxial"))
+    both = xr.concat([biaxial, pulled.assign(test=pulled["load_case"] + 1)], "load_step", data_vars="minimal")
+    both["u_measured"] = both["u_measured"].transpose("repeat", "load_step", "node", "i")
+    settings = Constrained(terms=["I1_squared"])
+    problem = FieldProblem(both, settings)
+    assert problem.force_misfit.shape == (2,) and problem.force_misfit.max() < 0.01
+    assert {f.step for f in problem.forces} == {0, 1, 2, 3}
+    assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
+
+
+def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet_at_one():
+    data, mesh, _ = sheet(5, square, make_load("clamped_y", [1.1]))
+    whole = FieldProblem(data, Constrained(terms=["I1_squared"]))
+    cut = FieldProblem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
+    for component in range(2):
+        forces = [[f for f in p.forces if f.direction.reshape(-1, 2)[:, component].any()] for p in (whole, cut)]
+        ends = [[int(mesh.nodes[f.direction.reshape(-1, 2)[:, component] > 0, 1].mean()) for f in fs] for fs in forces]
+        assert ends == [[1], [1, 0]]
+        assert forces[1][0].value == pytest.approx(-forces[1][1].value)
+
+
+def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
+    """Of the true field the whitened residuals are independent and of unit variance; raw ones are too large."""
+    raw, white, count = [], [], 0
+    for seed in range(4):
+        data, _, params = sheet(12, square, make_load("clamped_y", [1.1, 1.2]), noise=1e-3, seed=seed)
+        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+        states = problem.states(params, problem.extension(params))
+        u, f = problem.residuals(states)
+        residual = np.concatenate([*(r / problem.sigma for r in u), f])
+        raw.append(residual @ residual)
+        white.append(np.sum(problem.linearise(params, states, problem.sigma).whiten(residual) ** 2))
+        # Exact forces miss by nothing of their own.
+        count += len(residual) - len(f)
+    by_chance = np.sqrt(2.0 * count)
+    assert abs(sum(white) - count) < 3.0 * by_chance
+    assert sum(raw) - count > 3.5 * by_chance
+
+
+def test_two_steps_of_a_test_stand_for_all_of_them():
+    sizes = np.array([0.2, 0.45, 0.6, 0.9, 1.0])
+    weights = quadrature(sizes)
+    assert np.count_nonzero(weights) == 2 and weights.min() >= 0.0
+    for power in (2, 3):
+        np.testing.assert_allclose(weights @ sizes**power, np.sum(sizes**power))
+    np.testing.assert_allclose(weights @ sizes**4, np.sum(sizes**4), rtol=0.05)
+    for few in ([1.0], [0.5, 1.0], [1.0, 1.0, 1.0]):
+        assert np.array_equal(quadrature(np.array(few)), np.ones(len(few)))
+
+
+def test_the_curvature_of_two_steps_is_nearly_that_of_a_noisy_test_and_all_of_it_without_noise():
+    load = make_load("equibiaxial", [1.05, 1.1, 1.15, 1.2])
+    for noise, difference in ((1e-3, 0.1), (0.0, 1e-12)):
+        data, _, params = sheet(5, square, load, noise=noise)
+        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
+        linear = problem.linearise(params, problem.states(params, problem.extension(params)), problem.sigma)
+        full, lean = (
+            np.linalg.eigvalsh(each(np.eye(params.size))) for each in (linear.curvature, linear.nearly_curvature)
+        )
+        assert np.abs(lean - full).max() < difference * full.max()

@@ -1,0 +1,51 @@
+"""Jobs and the process that started them."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+JOB = """
+import sys, time
+from pathlib import Path
+from hypernode.pipeline.job import die_with_parent
+time.sleep(0.3)
+die_with_parent()
+time.sleep(0.5)
+Path(sys.argv[1]).touch()
+"""
+PARENT = "import subprocess, sys, time; subprocess.Popen([sys.executable, '-c', *sys.argv[1:3]]); time.sleep({})"
+
+
+def started(lifetime, sign):
+    """Start a job by a parent that lives for a while, in a session of its own as on a terminal, and wait for both."""
+    subprocess.run(
+        [sys.executable, "-c", PARENT.format(lifetime), JOB, str(sign)], check=True, start_new_session=True, timeout=60
+    )
+    time.sleep(4.0 - min(lifetime, 4.0))
+    return sign.exists()
+
+
+def test_a_job_works_on_while_its_parent_lives(tmp_path):
+    assert started(4.0, tmp_path / "sign")
+
+
+def test_a_job_ends_whose_parent_died_before_it_asked_to_be_told(tmp_path):
+    assert not started(0.0, tmp_path / "sign")
+
+
+@pytest.mark.parametrize("rule", ["measurement", "gradient", "tables"])
+def test_a_job_that_does_not_compute_with_jax_does_not_import_it(rule):
+    module = "hypernode.tables.runs" if rule == "tables" else f"hypernode.stages.{rule}"
+    code = f"import sys, hypernode.pipeline.job as r; r.set_up_compiler(True); import {module}; sys.exit('jax' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_a_job_computes_in_the_precision_that_its_rule_asks_for():
+    code = "import hypernode.pipeline.job as r; r.set_up_compiler({}); import jax; print(jax.numpy.ones(1).dtype)"
+    for float64, wanted in ((True, "float64"), (False, "float32")):
+        done = subprocess.run(
+            [sys.executable, "-c", code.format(float64)], capture_output=True, text=True, check=True, timeout=60
+        )
+        assert done.stdout.strip() == wanted

@@ -1,0 +1,59 @@
+"""A small sheet with a stiff inclusion under load, as a measurement file would hold it."""
+
+import numpy as np
+import xarray as xr
+
+from hypernode.fem.mesh import EDGE_NAMES, rectilinear
+from hypernode.fem.solver import EquilibriumSolver
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.synthetic.forward import resultants
+
+SCALE = 0.4
+
+
+def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=()):
+    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``.
+
+    Of the basis with ``terms`` its parameters have their ``values``, pairs of name and number, or those it starts with.
+    """
+    basis = ConvexBasis(terms, SCALE)
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    mesh = rectilinear(lines, lines)
+    values = dict(zip(basis.names, basis.start, strict=True)) | dict(values)
+    params = np.tile(list(values.values()), (len(mesh.cells), 1))
+    params[inclusion(mesh.centres), 0] += np.log(2.0)
+    solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
+    u, _ = solver.solve(load)
+    force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
+    for step, field in enumerate(u):
+        for edge, i in load.constrained:
+            held[step, EDGE_NAMES.index(edge), i] = 1.0
+        force[step] = np.where(held[step] > 0, resultants(solver, field, load), np.nan)
+    measured = u + np.random.default_rng(seed).normal(0.0, noise, u.shape) if noise else u
+    names = ("load_step", "node", "i")
+    data = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", *names), measured[None]),
+            "load_case": (("load_step",), np.zeros(len(u), int)),
+            "stretch": (("load_step",), load.stretch),
+            "H": (("load_step", "i", "J"), load.H),
+            "edge_force": (("load_step", "edge", "i"), force),
+            "relaxation": (("load_step",), np.ones(len(u))),
+            "edge_constrained": (("load_step", "edge", "i"), held),
+        },
+        attrs={
+            "displacement_noise": noise,
+            "force_uncertainty": 0.0,
+            "correlation_window": window,
+            "thickness": 1.0,
+            "outline": "edge",
+        },
+    )
+    return data, mesh, params
+
+
+def square(X):
+    return (np.abs(X - 0.5) < 0.25).all(axis=1)
