@@ -1,8 +1,4 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""Figures and tables."""
 
 from typing import Annotated, Literal, Union
 

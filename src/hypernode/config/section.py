@@ -1,25 +1,13 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""What every section of the configuration is made of."""
 
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
 Positive = Annotated[float, Field(gt=0)]
-
-
 NonNegative = Annotated[float, Field(ge=0)]
-
-
 Fraction = Annotated[float, Field(ge=0, le=1)]
-
-
 Count = Annotated[int, Field(ge=1)]
-
-
 Point = tuple[float, float]
 
 
