@@ -13,7 +13,7 @@ class Glyph(Section):
     model_config = ConfigDict(coerce_numbers_to_str=True)
 
     shape: Literal["glyph"]
-    text: str = Field(min_length=1)
+    text: str = Field(min_length=1, json_schema_extra={"type": ["string", "integer"]})
     """Letters or digits."""
     height: Positive = 0.6
     """Height of the glyph."""
