@@ -68,12 +68,9 @@ def test_snakemake_plans_what_two_files_and_config_say_together(tmp_path, files)
     line = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", "--snakefile", str(ROOT / "Snakefile")]
     line += ["--profile", str(ROOT / "profiles/default"), "--directory", str(tmp_path)]
     line += ["--configfile", str(ROOT / "config/smoke.yaml"), "second.yaml"]
-    line += [
-        "--config",
-        "cases={b: {geometry: disc, inclusion: stiff, matrix: soft, loads: [uniaxial_x], methods: [M]}}",
-    ]
+    case = "{geometry: disc, inclusion: stiff, matrix: soft, loads: [uniaxial_x], methods: [other]}"
+    line += ["--config", f"cases={{b: {case}}}"]
     files[1].write_text("methods: {other: {extends: tiny, seed: 5}}\n")
-    line[-1] = line[-1].replace("M", "other")
     plan = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path)
     assert plan.returncode == 0, plan.stderr[-2000:]
     assert "results/b/other/material.nc" in plan.stdout and "results/disc/tiny/material.nc" in plan.stdout

@@ -172,5 +172,5 @@ def test_an_error_in_what_is_merged_in_leads_to_where_it_is_written(tmp_path):
 
 def test_an_anchor_that_holds_itself_is_refused(tmp_path):
     (tmp_path / "c.yaml").write_text("methods:\n  a: &a {extends: hypernode, node: &n {node: *n}}\n")
-    with pytest.raises(ConfigError):
+    with pytest.raises(ConfigError, match=r"c\.yaml: an anchor holds itself"):
         load_config(tmp_path / "c.yaml")
