@@ -9,10 +9,9 @@ from functools import cache
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from hypernode.config.grids import NAME
 from hypernode.config.model import Config
 from hypernode.config.presets import presets
-from hypernode.config.section import Section
+from hypernode.config.section import NAME, Section
 from hypernode.mechanics.parameters import PARAMETERS
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

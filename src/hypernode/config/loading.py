@@ -5,11 +5,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from hypernode.config.errors import ConfigError
-from hypernode.config.grids import NAME, all_cases, specimen_figures
+from hypernode.config.expansion import all_cases, specimen_figures
 from hypernode.config.model import Config
 from hypernode.config.presets import lineage, presets, resolved_methods
 from hypernode.config.problems import describe, near, written_path
 from hypernode.config.references import unknown_references
+from hypernode.config.section import NAME
 from hypernode.config.sources import Source, Sources, read_yaml
 
 __all__ = ["ConfigError", "check_config", "load_config"]

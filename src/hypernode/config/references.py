@@ -5,6 +5,19 @@ from typing import NamedTuple
 
 from hypernode.config.model import Config
 
+#: Keys of a case, and of a layer, that name an entry of a section.
+_SECTION = {
+    "geometry": "geometries",
+    "hole": "geometries",
+    "inclusion": "materials",
+    "matrix": "materials",
+    "noise": "noise",
+    "specimen": "specimens",
+}
+
+
+_SECTION_OF_LAYER = {"geometry": "geometries", "material": "materials"}
+
 
 class Reference(NamedTuple):
     """A name that the configuration uses: where, which section it should be in, and what there is in it."""
@@ -41,14 +54,18 @@ def _of_case(config: Config, name: str, case, methods: list[str]) -> Iterator[Re
         "specimens that are cases": [other for other, each in config.cases.items() if each.specimen],
     }
     used = [
-        *((("geometry",), case.geometry, "geometries"), (("hole",), case.hole, "geometries")),
-        *((("inclusion",), case.inclusion, "materials"), (("matrix",), case.matrix, "materials")),
-        *((("noise",), case.noise, "noise"), (("specimen",), case.specimen, "specimens")),
-        *((("layers", k, "geometry"), layer.geometry, "geometries") for k, layer in enumerate(case.layers)),
-        *((("layers", k, "material"), layer.material, "materials") for k, layer in enumerate(case.layers)),
-        *((("loads", k), value, "loads") for k, value in enumerate(case.loads)),
-        *((("unseen_loads", k), value, "loads") for k, value in enumerate(case.unseen_loads)),
-        *((("references", k), value, "specimens that are cases") for k, value in case.references.items()),
+        *(((key,), getattr(case, key), section) for key, section in _SECTION.items()),
+        *(
+            (("layers", k, key), getattr(layer, key), _SECTION_OF_LAYER[key])
+            for k, layer in enumerate(case.layers)
+            for key in _SECTION_OF_LAYER
+        ),
+        *(
+            ((key, k), value, "loads")
+            for key in ("loads", "unseen_loads")
+            for k, value in enumerate(getattr(case, key))
+        ),
+        *((("references", phase), value, "specimens that are cases") for phase, value in case.references.items()),
         *((("methods", k), value, "methods") for k, value in enumerate(case.methods)),
     ]
     for path, value, section in used:

@@ -1,8 +1,13 @@
 """What every section of the configuration is made of."""
 
+import re
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
+
+#: Names of entries become parts of file names.
+NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
+
 
 Positive = Annotated[float, Field(gt=0)]
 

@@ -1,15 +1,13 @@
-"""The cases that a configuration does not write out: products of grid blocks, and specimens that no case names."""
+"""What a configuration need not write out: cases of grid blocks and of specimens, and figures of specimens."""
 
 import itertools
-import re
 from collections.abc import Callable
 
 from hypernode.config.cases import Case, Grid
 from hypernode.config.errors import ConfigError
 from hypernode.config.model import Config
 from hypernode.config.outputs import RunFigure
-
-NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
+from hypernode.config.section import NAME
 
 
 def all_cases(config: Config, where: Callable[..., str]) -> dict[str, Case]:
