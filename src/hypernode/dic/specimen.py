@@ -49,6 +49,9 @@ def _select(specimen: Specimen, series: Series) -> np.ndarray:
     if specimen.frames is not None:
         return np.array(specimen.frames)
     stretch = _mean_stretch(series, _AXIS[specimen.load])
+    numbers = [frame.number for frame in series.frames]
+    if specimen.stretches is None:
+        return np.array([numbers[index] for index in _evenly_spaced(stretch, specimen)])
     largest = max(stretch[np.isfinite(stretch)], default=1.0)
     chosen = []
     for target in specimen.stretches:
@@ -56,12 +59,23 @@ def _select(specimen: Specimen, series: Series) -> np.ndarray:
             raise DicError(
                 f"{specimen.folder}: no frame reaches the mean stretch {target:g}; the largest is {largest:.4g}"
             )
-        chosen.append(series.frames[int(np.nanargmin(np.abs(stretch - target)))].number)
+        chosen.append(numbers[int(np.nanargmin(np.abs(stretch - target)))])
     if len(set(chosen)) < len(chosen):
         raise DicError(
             f"{specimen.folder}: stretches {specimen.stretches} pick the frames {chosen}: spread them further apart"
         )
     return np.array(chosen)
+
+
+def _evenly_spaced(stretch: np.ndarray, specimen: Specimen) -> list[int]:
+    """Indices of the frames nearest to ``load_steps`` mean stretches in equal steps up to the largest, each once."""
+    if not np.nanmax(stretch[1:], initial=1.0) > 1.0:
+        raise DicError(f"{specimen.folder}: in no frame is the sheet longer than in the first: check load and frames")
+    # What follows the largest stretch is not the loading of the test.
+    loading = stretch[: int(np.nanargmax(stretch)) + 1]
+    targets = np.linspace(1.0, loading[-1], specimen.load_steps + 1)[1:]
+    nearest = {int(np.nanargmin(np.abs(loading - target))) for target in targets}
+    return sorted(nearest - {0})
 
 
 def _frame_times(specimen: Specimen, series: Series, numbers: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from hypernode.storage.provenance import code_hash
 
 
 def present_cases(config: Config) -> tuple[list[str], list[str]]:
-    """(cases that can run, a line for each specimen whose folder is absent)."""
+    """(cases that can run, a line for each that cannot, since its specimen is optional and has no folder here)."""
     present, absent = [], []
     for name, case in config.cases.items():
         specimen = config.specimens.get(case.specimen) if case.specimen else None
