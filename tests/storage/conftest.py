@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernode.storage import crate
+from hypernode.pipeline.compiler import compiler_settings
+from hypernode.storage import crate, records
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, write
 from hypernode.storage.provenance import describe
 from hypernode.storage.records import record_of, sha256
@@ -21,8 +22,6 @@ def stored(path, value, parents=(), rule="training", made_with=(), **settings):
 
 def rewritten(path, **keys):
     """Change keys of a record as the job of another machine would have written them."""
-    from hypernode.storage import records
-
     content = json.loads(record_of(path).read_text()) | keys
     content["record"] = records._own_digest(content)
     record_of(path).write_text(records._text(content))
@@ -43,7 +42,9 @@ def raw(tmp_path) -> Path:
 
 
 @pytest.fixture
-def results(tmp_path, raw) -> Path:
+def results(tmp_path, raw, monkeypatch) -> Path:
+    for variable, value in compiler_settings(float64=False).items():
+        monkeypatch.setenv(variable, value)
     folder = tmp_path / "results"
     attributes = describe("import_dic", {}, {}, "1" * 64) | {"raw_inputs": {raw.name: sha256(raw)}}
     write(folder / "c/measurement.nc", {"t": np.arange(3.0)}, "t", {**attributes, "units": SYNTHETIC_UNITS})
