@@ -50,6 +50,7 @@ def test_a_report_is_filed_with_the_results_it_shows_as_parents_and_passes_the_a
     crated(results, "c/m/material.nc")
     (outdated,) = verify(results)
     assert outdated.file.endswith("report.zip") and "its parent c/m/material.nc is not the file" in outdated.message
+    assert "make the report again" in outdated.message
 
 
 def test_a_report_of_other_results_or_none_is_refused(results):

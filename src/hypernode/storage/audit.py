@@ -1,5 +1,6 @@
 """Whether the results of a run are intact, of one kind, and all of them of the last run."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -27,6 +28,8 @@ def verify(folder: Path, now: Mapping[str, Mapping[str, str]] | None = None) -> 
     files = result_files(folder) if folder.is_dir() else []
     if not files:
         raise StorageError(f"{folder}: no results there; give the results folder of a run")
+    # The results may be a link to another disk, so links are not followed to where the workflow ran.
+    directory = Path(os.path.abspath(folder)).parent
     records, found = {}, []
     for path in files:
         try:
@@ -34,6 +37,6 @@ def verify(folder: Path, now: Mapping[str, Mapping[str, str]] | None = None) -> 
         except StorageError as error:
             found.append(refused(error))
         else:
-            found += damages(path, records[path], folder.resolve().parent)
+            found += damages(path, records[path], directory)
     found += orphans(folder) + strangers(folder, records)
     return found + foreign_versions(records) + foreign_flags(records, now or {}) + foreign_machines(records)

@@ -7,6 +7,7 @@ from hypernode.storage.errors import StorageError
 from hypernode.storage.findings import Finding, refused
 from hypernode.storage.netcdf import read
 from hypernode.storage.records import NOT_RESULTS, is_record, record_of, sha256
+from hypernode.storage.report import RULE as REPORT
 
 
 def damages(path: Path, record: dict, directory: Path) -> list[Finding]:
@@ -17,15 +18,16 @@ def damages(path: Path, record: dict, directory: Path) -> list[Finding]:
         record: its record.
         directory: where the workflow ran; raw inputs with relative paths are looked for there.
     """
+    again = "make the report again" if record["rule"] == REPORT else "run again"
     found = []
     if record["sha256"] != sha256(path):
         found.append("its SHA-256 is not the recorded one: damaged or changed; delete it and run again")
     for parent, digest in record["parents"].items():
         place = path.parent / parent
         if not place.is_file():
-            found.append(f"its parent {parent} is gone; run again")
+            found.append(f"its parent {parent} is gone; {again}")
         elif sha256(place) != digest:
-            found.append(f"its parent {parent} is not the file it was computed from; run again")
+            found.append(f"its parent {parent} is not the file it was computed from; {again}")
     for raw, digest in record["raw_inputs"].items():
         place = directory / raw
         if not place.is_file():
