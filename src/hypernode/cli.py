@@ -1,4 +1,4 @@
-"""The command ``hypernode``: ask results where they came from, and what files and configurations hold.
+"""The command hypernode: ask results where they came from, and what files and configurations hold.
 
 A command is a function that adds its parser to those of ``COMMANDS``, with a ``run`` that takes the arguments and
 gives the exit code. It imports what it needs when it runs, so that no command waits for another one's packages.
