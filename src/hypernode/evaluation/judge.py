@@ -1,5 +1,6 @@
 """Everything that is judged of one run, put together."""
 
+import json
 from collections.abc import Mapping
 
 import numpy as np
@@ -31,9 +32,7 @@ def shape_stretch(measurement: xr.Dataset) -> float:
     return min(SHAPE_STRETCH, float(measurement["stretch"].values.max()))
 
 
-def judge(
-    files: Mapping[str, xr.Dataset], kind: str, stretches, phases: int = 0, printed: PrintedShape | None = None
-) -> Judgement:
+def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: PrintedShape | None = None) -> Judgement:
     """Judge the identified material of one run.
 
     Args:
@@ -41,7 +40,6 @@ def judge(
             ``constrained`` where the method has one, and ``truth`` where it is known.
         kind: kind of the first load.
         stretches: stretches at which materials are compared (stretch,).
-        phases: number of phases of the truth.
         printed: the shape of a specimen, where it is known.
 
     Raises:
@@ -65,7 +63,7 @@ def judge(
         }
     )
     judged |= _at_both_deformations(files, found)
-    modes, true_shape = _at_common_F(files, found, true, kind, mode_gradients(stretches), phases)
+    modes, true_shape = _at_common_F(files, found, true, kind, mode_gradients(stretches))
     judged |= modes
     if true is not None:
         judged |= score_fibres(found, true, mesh.centres, float(modes.variables["mode_F"][0, -1, 0, 0]))
@@ -108,7 +106,7 @@ def _at_both_deformations(files, found) -> Judgement:
     return judged
 
 
-def _at_common_F(files, found, true, kind, F, phases):
+def _at_common_F(files, found, true, kind, F):
     """(stresses of prescribed homogeneous deformations against the true ones, the true shape or None)."""
     mesh, observed = mesh_of(files["measurement"]), observed_mode(kind)
     P = stress_at_common_F(found, mesh.centres, F)
@@ -117,7 +115,7 @@ def _at_common_F(files, found, true, kind, F, phases):
         return judged, None
     truth, P_true = files["truth"], stress_at_common_F(true, mesh.centres, F)
     phase = truth["phase"].values[nearest_cell(truth)(mesh.centres)]
-    judged |= score_stress(mesh, P, P_true, phase, phases, observed)
+    judged |= score_stress(mesh, P, P_true, phase, len(json.loads(truth.attrs["phases"])), observed)
     means = cell_means(truth, true, mesh, F[observed : observed + 1])
     if means is not None:
         judged |= Judgement(summary={"stress_error_cell_mean": relative_error(P[observed], means[0], mesh.areas)})

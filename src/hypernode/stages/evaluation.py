@@ -37,8 +37,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         corners = np.array(json.loads(measurement.attrs["field_corners"]))
         inside = make_shape(Image(shape="image", path=printed))
         shape = PrintedShape(inside, corners, config.specimens[case.specimen].shape_flipped)
-    phases = len(json.loads(data["truth"].attrs["phases"])) if "truth" in data else 0
-    judged = judge(data, kind, stretches, phases, shape)
+    judged = judge(data, kind, stretches, shape)
     weights = _trained_weights(data["material"])
     write(
         output,
