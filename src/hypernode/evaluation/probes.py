@@ -9,12 +9,11 @@ from hypernode.material.field import Material
 #: Difference over sum of the principal stresses above which a material has a fibre direction to find.
 SMALLEST_ANISOTROPY = 0.05
 
-#: Change of the transverse stretch at which Newton's method has found a uniaxial stress, and its largest number of
-#: steps.
+#: Newton's method for the transverse stretch ends with a step below STEP, or after NEWTON_STEPS.
 STEP, NEWTON_STEPS = 1e-7, 30
 
-#: Change of the transverse stretch that rounding may cause, in units of the last place of 1. Rounding makes up to two
-#: where the tangent is as large as the stress; a sheet that is fifty times softer across than along is still told.
+#: Largest step that may be rounding alone, in units of the last place of 1. It is one or two units where the tangent
+#: across is as large as the stress along, and more in proportion where a sheet is softer across.
 ROUNDING_UNITS = 100
 
 
@@ -31,9 +30,13 @@ def equibiaxial_stress(material: Material, X, stretches) -> np.ndarray:
 def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.ndarray, "stretch point 2"]:
     """Normal stresses under a uniaxial *stress* along ``axis`` at the given stretches; NaN where none is found.
 
-    The transverse stretch, between 0.3 and 3, follows from a vanishing transverse stress by Newton's method. Steps
-    of :data:`STEP` end it. In single precision rounding alone makes steps of one or two units of the last place, so
-    that those below :data:`ROUNDING_UNITS` of them count as converged there.
+    The transverse stretch, between 0.3 and 3, follows from a vanishing transverse stress by Newton's method. A point
+    has converged where its last step is below :data:`STEP` or, in single precision, where steps never become that
+    small, below :data:`ROUNDING_UNITS` of the stress's type.
+
+    Args:
+        X: positions (point, 2).
+        stretches: stretches along ``axis`` (stretch,).
     """
     across = 1 - axis
     along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
