@@ -29,6 +29,18 @@ def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
     return measurement["relaxation"].values[:, None, None]
 
 
+def relaxation_at(measurement: xr.Dataset, time: Float[np.ndarray, " step"]) -> Float[np.ndarray, "step 1 1"]:
+    """Recorded over elastic force at other times of a specimen's test, for the components of every edge.
+
+    Beyond the frames from which it is known, it is that of the nearest time.
+
+    Args:
+        time: in the clock of the force record [s].
+    """
+    factor = np.interp(time, measurement["relaxation_time"].values, measurement["relaxation_factor"].values)
+    return (factor / float(measurement.attrs["pace"]))[:, None, None]
+
+
 def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:
     """Measured force over thickness of an elastic sheet, NaN where not measured."""
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])

@@ -4,10 +4,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.data.measurement import displacement_noise, mesh_of, relaxation
+from hypernode.data.boundary import prescribed_displacement
+from hypernode.data.measurement import displacement_noise, mesh_of, relaxation, relaxation_at
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
-from hypernode.data.boundary import prescribed_displacement
 from hypernode.material.laws import node_stress
 from hypernode.progress import Progress
 
@@ -38,7 +38,7 @@ def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
 
 
 def pulled_sheet(measurement, node, node_params, progress: Progress):
-    """Resultants (step, edge, i) of a sheet whose outline moves as it was measured.
+    """Resultants (step, edge, i) of an elastic sheet whose outline moves as it was measured.
 
     Args:
         measurement: measurement file of the sheet.
@@ -67,17 +67,19 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         force = reached.force.reshape(-1, 2)
         forces.append([force[mesh.on_edge(edge)].sum(axis=0) for edge in EDGE_NAMES])
         progress.advance(residual=reached.history[-1])
-    return np.array(forces) * float(measurement.attrs["thickness"]) * relaxation(measurement)
+    return np.array(forces) * float(measurement.attrs["thickness"])
 
 
-def reference_forces(phase: str, sheet, evaluation, node, params_at, progress: Progress):
+def reference_forces(phase: str, sheet, identified, evaluation, node, params_at, progress: Progress):
     """Resultants (step, edge, i) of a reference sheet with what was identified.
 
     The material of a phase is the mean of the identified ones at its typical places; that of :data:`WHOLE` is the
-    identified field.
+    identified field. What of the force is a matter of time, the record of a phase's own sheet says; of other frames of
+    the identified test, that test's frames do, and nothing that saw the others.
 
     Args:
         sheet: measurement file of the reference sheet.
+        identified: measurement file of the identified specimen.
         evaluation: evaluation file of the identified specimen.
         node, params_at: the material and its weights as a function of position, parameters first.
 
@@ -86,7 +88,11 @@ def reference_forces(phase: str, sheet, evaluation, node, params_at, progress: P
     """
     places = mesh_of(sheet).centres if phase == WHOLE else typical_places(evaluation, phase)
     node_params = np.asarray(params_at(places).T, float)
-    return pulled_sheet(sheet, node, node_params[:, None] if phase == WHOLE else node_params, progress)
+    if phase == WHOLE:
+        return pulled_sheet(sheet, node, node_params[:, None], progress) * relaxation_at(
+            identified, sheet["time"].values
+        )
+    return pulled_sheet(sheet, node, node_params, progress) * relaxation(sheet)
 
 
 def force_nrmse(found: Float[np.ndarray, "step edge 2"], measured: Float[np.ndarray, "step edge 2"]) -> float:

@@ -11,8 +11,8 @@ from jaxtyping import Float, Int
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
 from hypernode.material.laws import node_stress
-from hypernode.mechanics.loads import Load
 from hypernode.material.node_material import NodeMaterial
+from hypernode.mechanics.loads import Load
 from hypernode.progress import Progress
 from hypernode.synthetic.forward import resultants
 

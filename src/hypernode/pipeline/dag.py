@@ -133,8 +133,9 @@ def printed_input(config: Config, name: str) -> dict[str, str]:
 
 
 def reference_inputs(config: Config, name: str) -> dict[str, str]:
-    """Measurements of the sheets that consist of one phase of a specimen, by phase."""
-    return {phase: f"results/{case}/measurement.nc" for phase, case in config.cases[name].references.items()}
+    """Measurements of the sheets that consist of one phase of a specimen, by phase, and its own as ``identified``."""
+    sheets = {phase: f"results/{case}/measurement.nc" for phase, case in config.cases[name].references.items()}
+    return {**sheets, "identified": f"results/{name}/measurement.nc"}
 
 
 def _has_references(config: Config, case: str, present) -> bool:

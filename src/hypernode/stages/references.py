@@ -17,16 +17,17 @@ def run(name: str, references: Mapping[str, str], files: Mapping[str, str], outp
     Args:
         name: case of the identified specimen.
         references: phase -> case of the sheet that consists of it, ``whole`` -> case of other frames of the test.
-        files: ``evaluation``, ``material``, and a measurement file by phase.
+        files: ``evaluation``, ``material``, ``identified`` (the specimen's measurement), and a measurement by phase.
     """
-    evaluation, material = read(files["evaluation"]), read(files["material"])
+    evaluation, material, identified = (read(files[key]) for key in ("evaluation", "material", "identified"))
     node, params_at = parameter_field(material)
     phases = [phase for phase in (*PHASES, WHOLE) if phase in references]
     sheets = {phase: read(files[phase]) for phase in phases}
     measured = {phase: sheet["edge_force"].values for phase, sheet in sheets.items()}
     progress = Progress("references", name, sum(len(forces) for forces in measured.values()))
     found = {
-        phase: reference_forces(phase, sheet, evaluation, node, params_at, progress) for phase, sheet in sheets.items()
+        phase: reference_forces(phase, sheet, identified, evaluation, node, params_at, progress)
+        for phase, sheet in sheets.items()
     }
     write(
         output,
