@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from hypernode.config.cases import Case, Grid
 from hypernode.config.model import Config
 from hypernode.errors import ExpectedError
+from hypernode.tables.columns import COLUMNS
 
 NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
 
@@ -74,6 +75,9 @@ def _references(config: Config):
             yield f"{at}.case", run.case, "cases", config.cases
             if run.case in config.cases:
                 yield f"{at}.method", run.method, "methods of its case", config.cases[run.case].methods
+    for name, table in config.tables.items():
+        for index, column in enumerate(getattr(table, "columns", [])):
+            yield f"tables.{name}.columns.{index}", column, f"columns of {table.kind}", COLUMNS[table.kind]
 
 
 def _near(value, allowed) -> str:
@@ -164,7 +168,8 @@ def _allowed_keys(annotation, path) -> list[str]:
         if part in section.model_fields and annotation is section:
             return _allowed_keys(section.model_fields[part].annotation, rest)
     # The name of an entry in a dictionary, or the index in a list: step over it.
-    inner = annotation if get_args(annotation) == () else get_args(annotation)[-1]
+    args = get_args(annotation)
+    inner = annotation if not args else args[0] if hasattr(annotation, "__metadata__") else args[-1]
     return _allowed_keys(inner, rest)
 
 

@@ -1,15 +1,14 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""The schema of what is drawn and tabulated."""
 
 from typing import Annotated, Literal, Union
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from hypernode.config.section import Positive, Section
 from hypernode.config.synthetic import LoadKind
+
+#: Columns of a table that people read, its labels among them.
+MOST_COLUMNS = 10
 
 
 class RunFigure(Section):
@@ -54,6 +53,21 @@ class RunTable(Section):
     columns: list[str] = []
     groups: dict[str, str] = {}
 
+    @model_validator(mode="after")
+    def _readable(self):
+        if self.columns and self.kind in ("timing", "ensemble"):
+            raise ValueError(f"columns: a table of kind '{self.kind}' shows all that it has; leave 'columns' out")
+        if len(set(self.columns)) < len(self.columns):
+            raise ValueError("columns: one is named twice; leave it once")
+        labels = ("group", "runs", "statistic") if self.groups else ("case", "method")
+        room = MOST_COLUMNS - len(labels)
+        if len(self.columns) > room:
+            raise ValueError(
+                f"columns: {len(self.columns)} beside {', '.join(labels)} are more than a page holds; name at most "
+                f"{room}, since the CSV file has all of them anyway"
+            )
+        return self
+
 
 class SettingsTable(Section):
     """A section of the configuration as a table."""
@@ -62,4 +76,11 @@ class SettingsTable(Section):
     section: Literal["materials", "loads", "methods", "noise"]
 
 
-Table = Union[SettingsTable, RunTable]
+def _layout(table) -> str:
+    kind = table.get("kind") if isinstance(table, dict) else getattr(table, "kind", None)
+    return "settings" if kind == "settings" else "numbers"
+
+
+Table = Annotated[
+    Union[Annotated[SettingsTable, Tag("settings")], Annotated[RunTable, Tag("numbers")]], Discriminator(_layout)
+]
