@@ -80,6 +80,7 @@ _RUNS = {
     "against cell means": _error("stress_error_cell_mean"),
     "contrast error": _error("contrast_error"),
     "misfit of u": Column("displacement_misfit", "number", "noise", judged_at="identified"),
+    "misfit of forces": Column("force_misfit", "number", "noise", judged_at="identified"),
     "constrained field alone": _error("stress_error_constrained"),
     "networks against it": _error("network_error"),
     "spread": Column("spread", "percent", judged_at="prescribed"),

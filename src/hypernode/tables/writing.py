@@ -9,6 +9,8 @@ import pandas as pd
 from hypernode.storage.netcdf import write_bytes_atomically
 from hypernode.tables.table import Table
 
+#: Characters beyond which a column of text breaks its lines.
+LONG = 40
 _LATEX = {
     "\\": r"\textbackslash{}",
     "~": r"\textasciitilde{}",
@@ -36,8 +38,12 @@ def markdown_text(table: Table) -> str:
 def latex_text(table: Table) -> str:
     """The same as a ``tabular`` of the package booktabs, with the notes under it."""
     heads, rows = _cells(table, _latex, r"\textbf{{{}}}".format)
+    wide = [max(map(len, cells), default=0) > LONG for cells in zip(*rows, strict=True)] or [False] * len(heads)
+    places = [
+        "r" if not text else r"p{0.6\linewidth}" if w else "l" for text, w in zip(_is_text(table), wide, strict=True)
+    ]
     lines = [
-        r"\begin{tabular}{" + "".join("l" if text else "r" for text in _is_text(table)) + "}",
+        r"\begin{tabular}{" + "".join(places) + "}",
         r"\toprule",
         " & ".join(heads) + r" \\",
         r"\midrule",
