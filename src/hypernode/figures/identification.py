@@ -60,6 +60,7 @@ def _forces(axes, data, units):
     axes.set_xlabel("edge stretch [-]")
     axes.set_ylabel("edge force" + force_label(units))
     axes.margins(x=0.12)
+    axes.locator_params(axis="x", nbins=4)
     from_zero(axes)
     axes.set_ylim(top=axes.get_ylim()[1] + 0.6 * np.ptp(axes.get_ylim()))
     axes.legend(handles=[*kinds, *drawn], loc="upper left")
