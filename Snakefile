@@ -7,7 +7,8 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from hypernode.config.loading import ConfigError, load_config
+from hypernode.config.command_line import run_config
+from hypernode.config.errors import ConfigError
 from hypernode.config.slices import slice_for
 from hypernode.pipeline.dag import (
     code_params,
@@ -34,14 +35,10 @@ min_version("9.27")
 container: "docker://python:3.11"
 
 
-# A configuration given on the command line replaces the default one instead of being merged into
-# it: a smoke run must not run the paper's cases as well.
-CONFIG_FILE = [
-    *workflow.overwrite_configfiles,
-    Path(workflow.basedir) / "config" / "config.yaml",
-][0]
 try:
-    CONFIG = load_config(CONFIG_FILE)
+    CONFIG = run_config(
+        workflow, config, Path(workflow.basedir) / "config" / "config.yaml"
+    )
 except ConfigError as error:
     sys.exit(f"The configuration cannot be used.\n{error}")
 
@@ -51,18 +48,17 @@ for line in LEFT_OUT:
 SYNTHETIC = [name for name in CASES if CONFIG.cases[name].specimen is None]
 REAL = [name for name in CASES if CONFIG.cases[name].specimen is not None]
 RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].methods]
-BASELINES = [name for name, method in CONFIG.methods.items() if method.baseline]
-ONLY_PRETRAINED = [name for name in CONFIG.methods if only_pretrained(CONFIG, name)]
-FULLY_TRAINED = [
-    name for name in CONFIG.methods if name not in (*BASELINES, *ONLY_PRETRAINED)
-]
+METHODS = list(dict.fromkeys(method for _, method in RUNS))
+BASELINES = [name for name in METHODS if CONFIG.methods[name].baseline]
+ONLY_PRETRAINED = [name for name in METHODS if only_pretrained(CONFIG, name)]
+FULLY_TRAINED = [name for name in METHODS if name not in (*BASELINES, *ONLY_PRETRAINED)]
 FIGURES = figure_runs(CONFIG, CASES)
 CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
 
 
 wildcard_constraints:
     case="|".join(map(re.escape, CASES)) or "none",
-    method="|".join(map(re.escape, CONFIG.methods)) or "none",
+    method="|".join(map(re.escape, METHODS)) or "none",
     figure="|".join(map(re.escape, FIGURES)) or "none",
     table="|".join(map(re.escape, CONFIG.tables)),
 

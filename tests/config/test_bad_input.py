@@ -17,9 +17,9 @@ from hypernode.dic.force_record import read_force_record
 from hypernode.errors import ExpectedError
 from hypernode.stages import import_dic
 from hypernode.stages import true_material as truth
+from tests.config.test_config import BASE, BROKEN, changed
 from tests.dic.test_davis import config as specimen_config
 from tests.dic.test_davis import write_frame
-from tests.config.test_config import BASE, BROKEN, changed
 
 ROOT = Path(__file__).resolve().parents[2]
 

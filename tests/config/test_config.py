@@ -75,6 +75,7 @@ BROKEN = [
         r"cases\.a\.geometry = 'disk': no such entry in geometries; did you mean 'disc'",
     ),
     (("cases", "a", "methods"), [], r"cases\.a\.methods: list at least one"),
+    (("cases", "a", "methods"), ["hypernod"], r"cases\.a\.methods\.0 = 'hypernod': .*did you mean 'hypernode'"),
     (("cases", "a", "loads"), ["push"], r"cases\.a\.loads\.0 = 'push'"),
     (("cases", "a", "inclusion"), None, r"the geometry 'disc' needs an inclusion"),
     (("cases", "a", "matrix"), None, r"a synthetic case also needs matrix"),
@@ -144,12 +145,32 @@ def test_a_rule_sees_only_its_part_of_the_configuration():
     assert from_slice(part).materials["stiff"].parameters == {"mu": 2.0}
 
 
-def test_shipped_configurations_are_valid():
-    assert load_config("config/config.yaml").cases and load_config("config/smoke.yaml").cases
+@pytest.mark.parametrize("name", ["config", "smoke", "robustness"])
+def test_shipped_configurations_are_valid(name):
+    assert load_config(ROOT / "config" / f"{name}.yaml").cases
 
 
-def test_a_method_means_the_same_in_every_configuration_of_the_paper_and_beyond():
-    main, grid = (load_config(ROOT / "config" / f"{name}.yaml") for name in ("config", "robustness"))
-    shared = main.methods.keys() & grid.methods.keys()
-    assert shared == grid.methods.keys()
-    assert all(main.methods[name] == grid.methods[name] for name in shared)
+def test_a_merge_keeps_what_the_mapping_says_itself(tmp_path):
+    text = yaml.safe_dump({key: BASE[key] for key in ("geometries", "materials", "noise", "methods", "cases")})
+    text += """
+loads:
+  pull: &pull {kind: uniaxial_x, stretches: [1.1]}
+  further: {<<: *pull, stretches: [1.2]}
+"""
+    (tmp_path / "c.yaml").write_text(text)
+    loads = load_config(tmp_path / "c.yaml").loads
+    assert (loads["further"].kind, loads["further"].stretches) == ("uniaxial_x", [1.2])
+
+
+def test_an_error_in_what_is_merged_in_leads_to_where_it_is_written(tmp_path):
+    text = "loads:\n  pull: &pull\n    kind: up\n    stretches: [1.1]\n  further: {<<: *pull, stretches: [1.2]}\n"
+    (tmp_path / "c.yaml").write_text(text)
+    with pytest.raises(ConfigError) as found:
+        load_config(tmp_path / "c.yaml")
+    assert str(found.value).count("c.yaml:3: ") == 2 and "loads.further.kind = 'up'" in str(found.value)
+
+
+def test_an_anchor_that_holds_itself_is_refused(tmp_path):
+    (tmp_path / "c.yaml").write_text("methods:\n  a: &a {extends: hypernode, node: &n {node: *n}}\n")
+    with pytest.raises(ConfigError, match=r"c\.yaml: an anchor holds itself"):
+        load_config(tmp_path / "c.yaml")

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from hypernode.config.outputs import MOST_COLUMNS
 from hypernode.tables.columns import COLUMNS, DEFAULT, significant
+from hypernode.tables.limits import MOST_COLUMNS
 
 ALL = [(kind, name) for kind, columns in COLUMNS.items() for name in columns]
 

@@ -259,8 +259,8 @@ def test_a_wrong_configuration_stops_before_any_job_without_traceback(tmp_path):
 
 def test_an_absent_specimen_is_left_out_in_one_line(tmp_path):
     config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
-    config["specimens"] = {"s": {"folder": "nowhere", "published_at": "repository a/b", "width": 1, "height": 1,
-                                 "thickness": 1, "pixel_size": 1, "frame_rate": 1, "frames": [2]}}  # fmt: skip
+    sizes = {"width": 1, "height": 1, "thickness": 1, "pixel_size": 1, "frame_rate": 1}
+    config["specimens"] = {"s": {"folder": "nowhere", "optional": True, "published_at": "repository a/b", **sizes}}
     config["cases"]["real"] = {"specimen": "s", "methods": ["tiny"]}
     (tmp_path / "c.yaml").write_text(yaml.safe_dump(config))
     plan = snakemake(tmp_path, "--dry-run", config=tmp_path / "c.yaml")

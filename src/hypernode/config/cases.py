@@ -1,8 +1,4 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""Cases: a sheet and its tests, and the methods that identify its material."""
 
 from typing import Literal, Union
 
@@ -12,32 +8,50 @@ from hypernode.config.section import Count, Positive, Section
 from hypernode.config.synthetic import Camera, Layer
 
 
-class Case(Section):
+class Sheet(Section):
+    """What a written case and the cases of a grid have in common."""
+
+    loads: list[str] = []
+    """Load cases of the test."""
+    hole: str | None = None
+    """Geometry inside which there is no material."""
+    cells: tuple[Count, Count] = (50, 50)
+    """Finite elements along x and y; as many as in the paper."""
+    size: tuple[Positive, Positive] = (1.0, 1.0)
+    """Sides of the sheet along x and y, in the length unit of the test."""
+    spacing: tuple[Positive, Positive] = (1.0, 1.0)
+    """Ratio of the last to the first cell's side along x and y."""
+    camera: Camera | None = None
+    """Measured grid; left out, displacements are measured at the nodes of the finite elements."""
+    methods: list[str] = ["hypernode"]
+    """Presets, or methods of this configuration, that identify the material."""
+
+
+class Case(Sheet):
     """One sheet and its tests: a synthetic one (geometry, materials, loads) or a specimen.
 
-    ``hole`` names a geometry where there is no material; ``layers`` are phases drawn over the first
-    two; ``spacing`` is the ratio of the last to the first cell's side along x and y; ``camera`` measures
-    on a grid that is not the finite-element mesh. ``unseen_loads`` are computed with the identified
-    field and compared with the truth. ``references`` of a specimen: phase -> case of a sheet that consists of
-    it, whose forces are compared with those of the identified phase, or whole -> case of frames that were not used.
+    ``methods: []`` is for a specimen that others are compared with and that is itself not identified.
     """
 
     geometry: str | None = None
+    """Geometry of the inclusion."""
     inclusion: str | None = None
+    """Material inside the geometry."""
     matrix: str | None = None
-    loads: list[str] = []
+    """Material outside it."""
     noise: str | None = None
+    """Measurement error; left out, there is none."""
     specimen: str | None = None
+    """The real test that is identified, in the place of geometry, materials and loads."""
     layers: list[Layer] = []
-    hole: str | None = None
-    cells: tuple[Count, Count] = (50, 50)
-    size: tuple[Positive, Positive] = (1.0, 1.0)
-    spacing: tuple[Positive, Positive] = (1.0, 1.0)
-    camera: Camera | None = None
+    """Further phases, drawn over the first two in this order."""
     unseen_loads: list[str] = []
+    """Load cases that are computed with the identified field afterwards and compared with the truth."""
     references: dict[Literal["matrix", "inclusion", "whole"], str] = {}
-    methods: list[str] = []
+    """Of a specimen: phase -> case of a sheet that consists of it, whose forces are compared with those of the
+    identified phase, or whole -> case of frames of the same test that were not used."""
     judged_stretches: list[Positive] | None = None
+    """Stretches at which identified and true stress are compared; left out, those of the test."""
 
     @model_validator(mode="after")
     def _one_kind(self):
@@ -57,7 +71,7 @@ class Case(Section):
         return self
 
 
-class Grid(Section):
+class Grid(Sheet):
     """A product of lists: one case for every combination, named by the template ``name``.
 
     A value that is a list of names is swept; the template refers to it by its key, for example
@@ -65,14 +79,16 @@ class Grid(Section):
     """
 
     name: str
+    """Template of the cases' names, with every swept key in it."""
     geometry: Union[str, list[str]]
+    """Geometry of the inclusion, or several."""
     inclusion: Union[str, list[str], None] = None
+    """Material inside the geometry, or several."""
     matrix: Union[str, list[str]]
+    """Material outside it, or several."""
     noise: Union[str, list[str], None] = None
+    """Measurement error, or several."""
     loads: list[str]
-    methods: list[str] = Field(min_length=1)
-    hole: str | None = None
-    cells: tuple[Count, Count] = (50, 50)
-    size: tuple[Positive, Positive] = (1.0, 1.0)
-    spacing: tuple[Positive, Positive] = (1.0, 1.0)
-    camera: Camera | None = None
+    """Load cases of every test."""
+    methods: list[str] = Field(default=["hypernode"], min_length=1)
+    """Presets, or methods of this configuration, that identify the material of every case."""

@@ -1,8 +1,4 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""Shapes of phases. Coordinates are those of the unit square, which is stretched over the sheet; angles in degrees."""
 
 from typing import Annotated, Literal, Union
 
@@ -17,10 +13,14 @@ class Glyph(Section):
     model_config = ConfigDict(coerce_numbers_to_str=True)
 
     shape: Literal["glyph"]
-    text: str = Field(min_length=1)
+    text: str = Field(min_length=1, json_schema_extra={"type": ["string", "integer"]})
+    """Letters or digits."""
     height: Positive = 0.6
+    """Height of the glyph."""
     centre: Point = (0.5, 0.5)
+    """Centre of the glyph."""
     bold: bool = True
+    """Whether the strokes are bold, so that several cells span them."""
 
 
 class Ellipse(Section):
@@ -28,8 +28,11 @@ class Ellipse(Section):
 
     shape: Literal["ellipse"]
     semi_axes: tuple[Positive, Positive]
+    """Semi-axes, along x and y before the ellipse is turned."""
     centre: Point = (0.5, 0.5)
+    """Centre of the ellipse."""
     angle: float = 0.0
+    """Angle by which it is turned, anticlockwise [degrees]."""
 
 
 class Disc(Section):
@@ -37,7 +40,9 @@ class Disc(Section):
 
     shape: Literal["disc"]
     radius: Positive
+    """Radius of the disc."""
     centre: Point = (0.5, 0.5)
+    """Centre of the disc."""
 
 
 class Ring(Section):
@@ -45,8 +50,11 @@ class Ring(Section):
 
     shape: Literal["ring"]
     inner_radius: NonNegative
+    """Radius of the hole."""
     outer_radius: Positive
+    """Outer radius, larger than the inner one."""
     centre: Point = (0.5, 0.5)
+    """Centre of both circles."""
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -56,12 +64,15 @@ class Ring(Section):
 
 
 class Image(Section):
-    """The bright pixels of an image, stretched over the sheet, first row at the top."""
+    """The bright pixels of an image, stretched over the sheet, first row at the top; transparent ones never count."""
 
     shape: Literal["image"]
     path: str
+    """The image, from the folder in which the workflow runs."""
     threshold: Fraction = 0.5
+    """Brightness from which a pixel belongs to the shape, 0 black, 1 white."""
     invert: bool = False
+    """Whether the dark pixels are the shape instead."""
 
 
 class Gradient(Section):
@@ -69,7 +80,9 @@ class Gradient(Section):
 
     shape: Literal["gradient"]
     direction: float = 0.0
+    """Direction of the transition, anticlockwise from x [degrees]."""
     profile: Literal["linear", "sine"] = "linear"
+    """Course of the transition along it."""
 
 
 class Uniform(Section):

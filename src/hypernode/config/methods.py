@@ -1,14 +1,10 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""Methods: everything that turns a measurement into a material, stage by stage."""
 
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from hypernode.config.section import Count, NonNegative, Positive, Section
+from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.networks.terms import POTENTIAL_NAMES, TERMS
 
@@ -17,17 +13,24 @@ class Frequencies(Section):
     """Sizes of a network on random Fourier features."""
 
     features: Count
+    """Number of random frequencies; each gives a sine and a cosine."""
     frequency_scale: Positive
+    """Standard deviation of the frequencies: the larger, the finer what the network can resolve."""
     widths: list[Count] = Field(min_length=1)
+    """Neurons of each hidden layer."""
 
 
 class Optimiser(Section):
-    """Iterations, first learning rate, and the number of points seen in each iteration."""
+    """How a stage is trained."""
 
-    iterations: Annotated[int, Field(ge=0)]
+    iterations: NonNegativeInt
+    """Number of iterations; a stage of the hyper-network with 0 is left out."""
     learning_rate: Positive = 0.01
+    """Learning rate of the first iteration."""
     algorithm: Literal["adam", "muon"] = "muon"
+    """Optimiser; Muon needs fewer iterations for the same loss (docs/decisions/0006)."""
     points: Count | None = None
+    """Points drawn anew in each iteration; left out, what the stage is used to."""
 
 
 class Interpolant(Frequencies, Optimiser):
@@ -35,20 +38,23 @@ class Interpolant(Frequencies, Optimiser):
 
 
 class Node(Section):
-    """The neural ODEs of a material point.
-
-    ``share`` is what a neural ODE's output counts beside the constant part of dPsi/dI: small where the
-    prior must keep curves plain; with ``scaled`` it is one more parameter a term and point.
-    ``potential`` replaces the neural ODEs by input-convex networks (icnn) or sums of powers and exponentials (cann,
-    to which ``hidden`` means nothing).
-    """
+    """The neural ODEs of a material point."""
 
     terms: list[Literal[tuple(TERMS)]] = Field(min_length=1)
+    """Arguments of the energy: invariants, mixtures of two such as I1_I4v, and J for a sheet whose volume may change
+    (without I2, and in ``constrained`` alike)."""
     hidden: list[Count] = Field(min_length=1)
+    """Neurons of each hidden layer of a neural ODE."""
     rk4_steps: Count = 2
+    """Runge-Kutta steps in which a neural ODE is solved."""
     share: Annotated[float, Field(gt=0, le=1)] = 0.1
+    """What a neural ODE's output counts beside the constant part of dPsi/dI: small where the prior must keep curves
+    plain."""
     scaled: bool = False
+    """Whether the share is one more parameter of each term and point."""
     potential: Literal[POTENTIAL_NAMES] = "node"
+    """Increasing functions: neural ODEs, or input-convex networks (icnn) or sums of powers and exponentials (cann, to
+    which ``hidden`` means nothing) in their place."""
 
     @model_validator(mode="after")
     def _once(self):
@@ -64,45 +70,46 @@ class Node(Section):
 
 
 class Training(Optimiser):
-    """The last stage: equilibrium and edge resultants together.
-
-    ``equilibrium`` names how the residual is formed and measured: ``strong`` (finite-difference
-    divergence on the measured grid) or ``autodiff`` (exact derivative of the interpolated fields),
-    both as mean squares at points; or ``equilibrated`` (distance from the nearest equilibrated stress).
-    ``batch_mean`` and ``wrong_index`` are ``autodiff`` with a slip each, kept as ablations: the square of the
-    mean over the points, and the divergence of the transposed stress.
-    ``target_weight`` keeps the target of the pre-training (the stress of the constrained field, or the
-    uniform stress) beside it, which decides among the stress fields that one noisy test cannot tell apart.
-    ``variation_weight`` is the cost of the stress's total variation under the sheet's mean deformation.
-    """
+    """The last stage: equilibrium and edge resultants together."""
 
     equilibrium: Literal["strong", "autodiff", "equilibrated", "batch_mean", "wrong_index"] = "equilibrated"
+    """How the residual is formed and measured: ``strong`` (finite-difference divergence on the measured grid) or
+    ``autodiff`` (exact derivative of the interpolated fields), both as mean squares at points; or ``equilibrated``
+    (distance from the nearest equilibrated stress). ``batch_mean`` and ``wrong_index`` are ``autodiff`` with a slip
+    each, kept as ablations: the square of the mean over the points, and the divergence of the transposed stress."""
     equilibrium_weight: NonNegative = 1.0
+    """Weight of the residual."""
     force_weight: NonNegative = 1.0
+    """Weight of the edge resultants."""
     target_weight: NonNegative = 0.0
+    """Weight of the target of the pre-training (the stress of the constrained field, or the uniform stress), which
+    decides among the stress fields that one noisy test cannot tell apart."""
     variation_weight: NonNegative = 0.0
+    """Cost of the stress's total variation under the sheet's mean deformation."""
 
 
 class Constrained(Section):
-    """Equilibrium as a constraint: the field of convex-basis coefficients that explains the test.
-
-    ``further_terms`` are tried beside ``terms`` where those do not explain the test.
-    ``regulariser_weight`` is the cost of a jump of the field against misfits in units of their noise;
-    jumps of the logarithm of the stiffness above ``jump_scale`` stop costing more. It ends where the cost
-    falls by less than ``tolerance`` times what noise alone costs in one of at most ``iterations``. ``force_noise`` is
-    the relative error of the load cell. ``posterior_samples`` is how many fields that the test cannot tell from the best one are
-    kept, from ``seed``, where the displacements have noise: they say how uncertain it is.
-    """
+    """Equilibrium as a constraint: the field of convex-basis coefficients that explains the test."""
 
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre", "stiffening"]
+    """Terms of the energy beside the neo-Hookean one."""
     further_terms: list[Literal[BASIS_TERMS]] = []
+    """Terms that are tried beside these where they do not explain the test."""
     iterations: Count = 60
+    """Largest number of iterations."""
     regulariser_weight: Positive = 25.0
+    """Cost of a jump of the field against misfits in units of their noise."""
     jump_scale: Positive = 0.05
+    """Jump of the logarithm of the stiffness above which a larger one costs no more."""
     force_noise: Positive = 6e-4
+    """Relative error of the load cell."""
     tolerance: Positive = 2e-4
-    posterior_samples: Annotated[int, Field(ge=0)] = 0
-    seed: Annotated[int, Field(ge=0)] = 0
+    """It ends where an iteration lowers the cost by less than this times what noise alone costs."""
+    posterior_samples: NonNegativeInt = 0
+    """Fields kept, where the displacements have noise, that the test cannot tell from the best one: they say how
+    uncertain it is."""
+    seed: NonNegativeInt = 0
+    """Seed of these fields."""
 
     @model_validator(mode="after")
     def _first_terms_first(self):
@@ -118,27 +125,36 @@ class Constrained(Section):
 class Method(Section):
     """Everything that turns a measurement into a material.
 
-    With a ``constrained`` section, displacements are first replaced by the equilibrium field that
-    explains them, and the networks learn its stress; without an ``interpolant`` they see the
-    deformation gradient of the grid itself.
-
-    A ``baseline`` ends without networks: ``homogeneous`` (one neo-Hookean modulus from the forces),
-    ``equilibrium_gap`` (a modulus a cell, for which the measured deformation is in equilibrium), or
-    ``constrained`` (the field of that section itself).
+    Either all sections from ``node`` to ``training`` are given, or ``baseline``, or ``extends`` and what differs.
     """
 
     baseline: Literal["homogeneous", "equilibrium_gap", "constrained"] | None = None
+    """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``equilibrium_gap`` (a
+    modulus a cell, for which the measured deformation is in equilibrium), or ``constrained`` (the field of that
+    section itself; with ``terms: []`` this is neo-Hookean model updating)."""
     constrained: Constrained | None = None
+    """The equilibrium field that replaces the displacements and whose stress the networks learn; left out, the
+    measurement is differentiated."""
     gradient: Literal["element", "finite_difference"] = "element"
+    """How the deformation gradient of the measured grid is formed."""
     interpolant: Interpolant | None = None
+    """The network that interpolates it; left out, the others see the grid's own."""
     node: Node | None = None
+    """The material of a point."""
     hypernetwork: Frequencies | None = None
+    """The network from a position to the parameters of its material."""
     homogenised: Optimiser | None = None
+    """First stage: one material for the whole sheet."""
     initialisation: Optimiser | None = None
+    """Second stage: the hyper-network learns that material everywhere."""
     pretraining: Optimiser | None = None
+    """Third stage: it learns the stress of the constrained field, or a uniform one."""
     training: Training | None = None
+    """Last stage: equilibrium and edge forces."""
     prior_weight: NonNegative = 1e-3
-    seed: int = Field(default=0, ge=0)
+    """Cost of materials that differ from plain ones (docs/decisions/0004)."""
+    seed: NonNegativeInt = 0
+    """Seed of the networks."""
 
     @model_validator(mode="after")
     def _stages(self):

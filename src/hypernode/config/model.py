@@ -1,8 +1,4 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""The whole configuration: sections of named entries, and cases that combine them."""
 
 from typing import get_args
 
@@ -21,18 +17,31 @@ assert set(get_args(LoadKind)) == set(CONSTRAINED), "the schema lists every load
 
 
 class Config(Section):
-    """The whole configuration; cases of grid blocks are in ``cases`` once loaded."""
+    """Cases, what they are combined from, and what is drawn and listed of them.
+
+    Once loaded, cases of grid blocks are in ``cases``, and presets that cases name in ``methods``.
+    """
 
     geometries: dict[str, Geometry] = {}
+    """Shapes of inclusions, holes and layers."""
     materials: dict[str, Material] = {}
+    """Closed-form materials of synthetic sheets."""
     loads: dict[str, Load] = {}
+    """Load cases of synthetic sheets."""
     noise: dict[str, Noise] = {}
+    """Measurement errors of synthetic tests."""
     methods: dict[str, Method] = {}
+    """Methods beside the presets."""
     specimens: dict[str, Specimen] = {}
+    """Real tests. One that no case names is a case of its own name."""
     cases: dict[str, Case] = {}
+    """What is identified."""
     grid: list[Grid] = []
+    """Products of lists, each of which becomes many cases."""
     figures: dict[str, Figure] = {}
+    """Figures; left out, one of the identification for every run of a specimen."""
     tables: dict[str, Table] = {}
+    """Tables beside ``summary``, which has one row a run."""
 
     @model_validator(mode="after")
     def _summary(self):

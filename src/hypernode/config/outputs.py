@@ -1,4 +1,4 @@
-"""The schema of what is drawn and tabulated."""
+"""Figures and tables."""
 
 from typing import Annotated, Literal, Union
 
@@ -6,27 +6,33 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from hypernode.config.section import Positive, Section
 from hypernode.config.synthetic import LoadKind
-
-#: Columns of a table that people read, its labels among them.
-MOST_COLUMNS = 10
+from hypernode.tables.limits import MOST_COLUMNS
 
 
 class RunFigure(Section):
-    """A figure of one run: ``kind`` names its layout, ``step`` the load step drawn."""
+    """A figure of one run."""
 
     kind: Literal["identification", "anisotropy", "overview", "references"]
+    """Its layout."""
     case: str
+    """Case of the run."""
     method: str
+    """Method of the run, one of its case."""
     step: int = -1
+    """Load step drawn, from 0; -1 is the last."""
 
 
 class ShownRun(Section):
     """A row of a comparison: a run, or what one of its stages left."""
 
     case: str
+    """Case of the run."""
     method: str
+    """Method of the run, one of its case."""
     stage: Literal["constrained", "initialised", "pretrained", "material"] = "material"
+    """Stage whose field is drawn; the last one where it is left out."""
     label: str
+    """Caption of the row."""
 
 
 class Comparison(Section):
@@ -34,24 +40,30 @@ class Comparison(Section):
 
     kind: Literal["comparison"]
     runs: list[ShownRun] = Field(min_length=1)
+    """The rows, from the top."""
     stretches: list[Positive] = Field(min_length=1)
+    """The columns: stretches at which the materials are asked."""
     load: LoadKind = "equibiaxial"
+    """Mode of deformation in which they are asked."""
     show: Literal["stress", "error"] = "stress"
+    """Whether the stress is drawn or its error against the truth."""
 
 
 Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
 
 
 class RunTable(Section):
-    """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups.
-
-    An ``ensemble`` compares the fields of the runs of each group, which are of one case.
-    """
+    """Numbers of the runs ``case/method`` that match a pattern, one by one or in groups."""
 
     kind: Literal["runs", "timing", "validation", "references", "ensemble"] = "runs"
+    """Which numbers: scores, seconds of each stage, unseen loads, reference sheets, or how much the fields of the
+    runs of each group, which are of one case, differ."""
     runs: list[str] = ["*"]
+    """Patterns of case/method, as file names are matched; left out, every run."""
     columns: list[str] = []
+    """Names of the columns that are shown; left out, the usual ones of this kind. The CSV file has all of them."""
     groups: dict[str, str] = {}
+    """Label -> pattern: one row with mean, spread, median and largest value for each, in the place of single runs."""
 
     @model_validator(mode="after")
     def _readable(self):
@@ -74,6 +86,7 @@ class SettingsTable(Section):
 
     kind: Literal["settings"]
     section: Literal["materials", "loads", "methods", "noise"]
+    """The section."""
 
 
 def _layout(table) -> str:

@@ -1,12 +1,13 @@
-"""The schema of the configuration.
+"""What every section of the configuration is made of."""
 
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
-
+import re
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
+
+#: Names of entries become parts of file names.
+NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
+
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -20,10 +21,14 @@ Fraction = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=1)]
 
 
+#: A number of something that may be none, or the seed of random numbers.
+NonNegativeInt = Annotated[int, Field(ge=0)]
+
+
 Point = tuple[float, float]
 
 
 class Section(BaseModel):
-    """A mapping with a fixed set of keys."""
+    """A mapping with a fixed set of keys; what each means, in which unit, stands below it and in the JSON Schema."""
 
     model_config = ConfigDict(extra="forbid", strict=False, frozen=True)

@@ -1,52 +1,75 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""Real tests: where their files are and how to read them. Lengths in mm, times in s, forces in N."""
 
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from hypernode.config.section import Count, Fraction, NonNegative, Positive, Section
+from hypernode.config.section import Count, Fraction, NonNegative, NonNegativeInt, Positive, Section
+
+#: Load steps where none are asked for: as many as in the paper's experiment.
+LOAD_STEPS = 5
 
 
 class Specimen(Section):
-    """A real test: where its files are and how to read them.
-
-    Lengths in mm, times in s, forces in N. Either ``frames`` (numbers) or ``stretches`` (target
-    mean stretches along the tensile axis) selects the load steps. ``force_offset`` is subtracted from the force
-    record: what it reads before the sheet pulls. ``force_uncertainty``: of the force that the grid carries, relative:
-    the load cell's, and that of the share of the sheet's width that is left of it. ``relaxation``: tell from the
-    record which share of the force is a matter of time, and identify without it. ``correlation_window`` is the
-    side of the window over which the cameras' software averages the displacement, 0 where it is not known.
-    """
+    """A real test. ``frames``, ``stretches`` or ``load_steps`` selects its load steps; only one of them is given."""
 
     folder: str
+    """Folder with the frames and the force record, from the folder in which the workflow runs."""
     format: Literal["davis"] = "davis"
+    """Software that exported the frames."""
     force_file: str = "force_disp.csv"
+    """The testing machine's record in that folder: Time and Force, and a second line with their units."""
     published_at: str = ""
+    """Where the data can be found; shown where the folder is absent."""
+    optional: bool = Field(default=False, exclude=True)
+    """Whether cases of this specimen are left out where its folder is absent, which is otherwise an error."""
     load: Literal["clamped_x", "clamped_y"] = "clamped_y"
+    """Direction of the pull; the sheet is clamped at both ends."""
     width: Positive
+    """Side of the sheet along x [mm]."""
     height: Positive
+    """Side of the sheet along y [mm]."""
     thickness: Positive
+    """Thickness of the sheet [mm]."""
     pixel_size: Positive
+    """Length of a pixel on the sheet [mm]."""
     frame_rate: Positive
+    """Frames in a second [1/s]."""
     first_frame_time: float = 0.0
+    """Time of the first frame in the clock of the force record [s]."""
     force_offset: float = 0.0
+    """What the force record reads before the sheet pulls [N]; it is subtracted."""
     force_uncertainty: Fraction = 0.01
+    """Relative uncertainty of the force that the grid carries: the load cell's, and that of the share of the sheet's
+    width that is left of it."""
     relaxation: bool = True
-    edge_ring: Annotated[int, Field(ge=0)] = 1
+    """Whether to tell from the record which share of the force is a matter of time, and identify without it."""
+    edge_ring: NonNegativeInt = 1
+    """Outermost rings of points that are dropped, since correlation windows reach over the edge there."""
     frames: list[Count] | None = None
+    """Numbers of the frames that become load steps."""
     stretches: list[Annotated[float, Field(gt=1)]] | None = None
+    """Mean stretches along the pull; the nearest frames become load steps."""
+    load_steps: Count | None = None
+    """Number of load steps, evenly spaced in mean stretch up to the largest one: 5 where nothing else selects them,
+    fewer where there are not as many frames."""
     noise_pixels: Positive = 0.3
+    """Standard deviation of a measured displacement [pixel]."""
     correlation_window: NonNegative = 0.0
+    """Side of the window over which the cameras' software averages the displacement [mm]; 0 where it is not known."""
     shape_image: str | None = None
+    """Image of the printed inclusion, with which the identified one is compared."""
     shape_flipped: bool = False
+    """Whether the first row of that image is at the bottom."""
     source_title: str = ""
+    """What the specimen is, in titles of files."""
 
-    @model_validator(mode="after")
-    def _selection(self):
-        if (self.frames is None) == (self.stretches is None):
-            raise ValueError("give either frames or stretches")
-        return self
+    @model_validator(mode="before")
+    @classmethod
+    def _selection(cls, values):
+        if not isinstance(values, dict):
+            return values
+        given = [key for key in ("frames", "stretches", "load_steps") if values.get(key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"give one of {' and '.join(given)}, which both select the load steps")
+        return values if given else {**values, "load_steps": LOAD_STEPS}

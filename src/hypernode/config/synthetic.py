@@ -1,25 +1,22 @@
-"""The schema of the configuration.
-
-A configuration names geometries, materials, loads, noise levels, methods and specimens; ``cases``
-combine them and ``grid`` blocks expand products of them into more cases.
-"""
+"""What synthetic tests are made of: materials, load cases, noise, further phases and the camera."""
 
 import difflib
 from typing import Literal, Union
 
 from pydantic import ConfigDict, Field, model_validator
 
-from hypernode.config.section import Count, NonNegative, Positive, Section
+from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import PARAMETERS
 
 LoadKind = Literal["equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear"]
 
 
 class Material(Section):
-    """A closed-form material: ``model`` and its parameters; fibre_angle in degrees."""
+    """A closed-form material: ``model`` and its parameters; moduli in Pa, fibre_angle in degrees."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     model: Literal[tuple(PARAMETERS)]
+    """The closed form."""
 
     @model_validator(mode="before")
     @classmethod
@@ -27,11 +24,12 @@ class Material(Section):
         if not isinstance(values, dict) or str(values.get("model")) not in PARAMETERS:
             return values
         wanted = PARAMETERS[values["model"]]
+        values = {key: _number(value) for key, value in values.items()}
         for key, value in values.items():
             if key == "model":
                 continue
             if key not in wanted:
-                near = difflib.get_close_matches(key, wanted, 1)
+                near = difflib.get_close_matches(str(key), wanted, 1)
                 hint = f"; did you mean '{near[0]}'?" if near else ""
                 raise ValueError(f"'{key}' is not a parameter of {values['model']} ({', '.join(wanted)}){hint}")
             if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -50,11 +48,21 @@ class Material(Section):
         return dict(self.model_extra)
 
 
+def _number(value):
+    """A number that is written as text, as on the command line, as a number; anything else as it is."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
 class Load(Section):
     """A load case: its kind and the edge stretch of every step."""
 
     kind: LoadKind
+    """Which edges are pulled, and whether they may contract: clamped ones may not."""
     stretches: list[Union[Positive, tuple[Positive, Positive]]] = Field(min_length=1)
+    """Edge stretch of each step: a number, a pair [x, y] for biaxial, 1 + shear for shear."""
 
     @model_validator(mode="after")
     def _pairs(self):
@@ -65,26 +73,29 @@ class Load(Section):
 
 
 class Noise(Section):
-    """Measurement error of the displacement, in the length unit of the test."""
+    """Measurement error of the displacement."""
 
     sigma: NonNegative = 0.0
+    """Standard deviation, in the length unit of the sheet."""
     repeats: Count = 1
-    seed: int = Field(default=0, ge=0)
+    """How often each step is measured."""
+    seed: NonNegativeInt = 0
+    """Seed of the errors."""
 
 
 class Layer(Section):
     """A further phase, drawn over what is already there."""
 
     geometry: str
+    """Where it is."""
     material: str
+    """What it consists of."""
 
 
 class Camera(Section):
-    """A measured grid of its own: so that data and identification do not share a mesh.
-
-    ``cells`` of the measured grid, and ``window``, the side of the correlation window over which the
-    displacement is averaged, in the length unit of the sheet.
-    """
+    """A measured grid of its own: so that data and identification do not share a mesh."""
 
     cells: tuple[Count, Count]
+    """Cells of the measured grid along x and y."""
     window: NonNegative = 0.0
+    """Side of the correlation window over which the displacement is averaged, in the length unit of the sheet."""

@@ -12,7 +12,7 @@ from hypernode.storage.provenance import code_hash
 
 
 def present_cases(config: Config) -> tuple[list[str], list[str]]:
-    """(cases that can run, a line for each specimen whose folder is absent)."""
+    """(cases that can run, a line for each that cannot, since its specimen is optional and has no folder here)."""
     present, absent = [], []
     for name, case in config.cases.items():
         specimen = config.specimens.get(case.specimen) if case.specimen else None
@@ -58,12 +58,8 @@ STAGE_SETTINGS = {
     "material": ("hypernetwork", "training", "prior_weight", "seed"),
     "baseline": ("baseline", "seed"),
 }
-
-
 #: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
 NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}
-
-
 #: Stages whose file methods share where all that decides it is the same.
 SHARED = tuple(STAGE_SETTINGS)[: tuple(STAGE_SETTINGS).index("pretrained") + 1]
 

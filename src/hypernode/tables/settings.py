@@ -1,7 +1,7 @@
 """Tables of what a section of the configuration defines."""
 
-from hypernode.config.outputs import MOST_COLUMNS
 from hypernode.tables.columns import Column
+from hypernode.tables.limits import MOST_COLUMNS
 from hypernode.tables.table import Table, make_frame
 
 LIKE, DIFFERENCES = "like", "but"
