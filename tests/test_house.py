@@ -15,7 +15,7 @@ ALLOWED = {
     "networks": {"errors"},
     "fem": {"errors", "mechanics"},
     "storage": {"errors"},
-    "config": {"errors", "mechanics", "networks"},
+    "config": {"errors", "mechanics", "networks", "tables"},
     "data": {"errors", "mechanics", "fem"},
     "material": {"errors", "mechanics", "networks", "config", "storage"},
     "dic": {"errors", "progress", "mechanics", "fem", "config"},
@@ -23,7 +23,7 @@ ALLOWED = {
     "identification": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
     "evaluation": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "synthetic", "config"},
-    "figures": {"errors", "mechanics", "fem", "data", "material", "evaluation", "storage"},
+    "figures": {"errors", "mechanics", "fem", "data", "material", "evaluation", "storage", "tables"},
     "tables": {"errors", "mechanics", "storage"},
     "pipeline": {"errors", "config", "dic", "storage"},
     "stages": {
@@ -36,8 +36,8 @@ ALLOWED = {
 }
 #: What of the configuration the two ways to a material may see: the method, and nothing of case or truth.
 OWN_SECTIONS = {"identification": {"config.methods"}, "training": {"config.methods"}, "material": {"config.methods"}}
-#: Modules with the names of array dimensions, free of imports, that the configuration reads.
-FREE_OF_IMPORTS = {"mechanics.loads", "mechanics.parameters", "networks.terms"}
+#: Modules with names that the configuration reads, free of imports of this package.
+FREE_OF_IMPORTS = {"mechanics.loads", "mechanics.parameters", "networks.terms", "tables.columns", "tables.limits"}
 #: The functions of a measurement of which only stages, figures and tables may open files.
 OPENING = "hypernode.storage.netcdf"
 
@@ -118,9 +118,9 @@ def test_the_ways_to_a_material_see_no_section_of_the_configuration_but_the_meth
     assert seen <= OWN_SECTIONS[name]
 
 
-def test_the_configuration_reads_of_mechanics_and_networks_only_names():
+def test_the_configuration_reads_of_other_rooms_only_names():
     seen = {m for path in modules() if room(path) == "config" for _, m in imports(path)}
-    assert {m for m in seen if m.split(".")[0] in ("mechanics", "networks")} <= FREE_OF_IMPORTS
+    assert {m for m in seen if m.split(".")[0] in ("mechanics", "networks", "tables")} <= FREE_OF_IMPORTS
 
 
 @pytest.mark.parametrize("name", ["identification", "training", "evaluation", "synthetic", "data", "fem", "mechanics"])

@@ -3,19 +3,7 @@
 from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
-    settings = snakemake.params.settings
-    from hypernode.figures import anisotropy, comparison, identification, overview, references
+    from hypernode.figures.render import render
 
-    layouts = {
-        "anisotropy": anisotropy,
-        "comparison": comparison,
-        "identification": identification,
-        "overview": overview,
-        "references": references,
-    }
-    layouts[settings["kind"]].draw(
-        dict(snakemake.input),
-        {"pdf": snakemake.output.pdf, "png": snakemake.output.png},
-        settings,
-        attributes,
-    )
+    files = {"pdf": snakemake.output.pdf, "png": snakemake.output.png}
+    render(dict(snakemake.input), files, snakemake.params.settings, attributes)

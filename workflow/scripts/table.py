@@ -3,7 +3,9 @@
 from hypernode.pipeline.job import job
 
 with job(snakemake) as attributes:
-    from hypernode.tables import runs as tables
+    from hypernode.tables.build import build_table
+    from hypernode.tables.writing import write_table
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
-    tables.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)
+    sources = list(snakemake.input)
+    write_table(build_table(sources, snakemake.params.settings), files, attributes, sources)

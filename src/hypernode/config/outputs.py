@@ -2,10 +2,11 @@
 
 from typing import Annotated, Literal, Union
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from hypernode.config.section import Positive, Section
 from hypernode.config.synthetic import LoadKind
+from hypernode.tables.limits import MOST_COLUMNS
 
 
 class RunFigure(Section):
@@ -60,9 +61,24 @@ class RunTable(Section):
     runs: list[str] = ["*"]
     """Patterns of case/method, as file names are matched; left out, every run."""
     columns: list[str] = []
-    """Names of the columns; left out, the usual ones of this kind."""
+    """Names of the columns that are shown; left out, the usual ones of this kind. The CSV file has all of them."""
     groups: dict[str, str] = {}
     """Label -> pattern: one row with mean, spread, median and largest value for each, in the place of single runs."""
+
+    @model_validator(mode="after")
+    def _readable(self):
+        if self.columns and self.kind in ("timing", "ensemble"):
+            raise ValueError(f"columns: a table of kind '{self.kind}' shows all that it has; leave 'columns' out")
+        if len(set(self.columns)) < len(self.columns):
+            raise ValueError("columns: one is named twice; leave it once")
+        labels = ("group", "runs", "statistic") if self.groups else ("case", "method")
+        room = MOST_COLUMNS - len(labels)
+        if len(self.columns) > room:
+            raise ValueError(
+                f"columns: {len(self.columns)} beside {', '.join(labels)} are more than a page holds; name at most "
+                f"{room}, since the CSV file has all of them anyway"
+            )
+        return self
 
 
 class SettingsTable(Section):
@@ -73,4 +89,11 @@ class SettingsTable(Section):
     """The section."""
 
 
-Table = Union[SettingsTable, RunTable]
+def _layout(table) -> str:
+    kind = table.get("kind") if isinstance(table, dict) else getattr(table, "kind", None)
+    return "settings" if kind == "settings" else "numbers"
+
+
+Table = Annotated[
+    Union[Annotated[SettingsTable, Tag("settings")], Annotated[RunTable, Tag("numbers")]], Discriminator(_layout)
+]

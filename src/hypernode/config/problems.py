@@ -20,7 +20,7 @@ def written_path(error: dict) -> list:
     """The key path of a validation error as it stands in a file, without what pydantic adds to it."""
     path = [part for part in error["loc"] if not (isinstance(part, str) and part.startswith("function-"))]
     # The tag of a union.
-    return [part for i, part in enumerate(path) if not (i == 2 and path[0] == "geometries")]
+    return [part for i, part in enumerate(path) if not (i == 2 and path[0] in ("geometries", "figures", "tables"))]
 
 
 def describe(error: dict, where: str) -> str:
@@ -66,7 +66,8 @@ def _allowed_keys(annotation, path) -> list[str]:
         if part in section.model_fields and annotation is section:
             return _allowed_keys(section.model_fields[part].annotation, rest)
     # The name of an entry in a dictionary, or the index in a list: step over it.
-    inner = annotation if get_args(annotation) == () else get_args(annotation)[-1]
+    args = get_args(annotation)
+    inner = annotation if not args else args[0] if hasattr(annotation, "__metadata__") else args[-1]
     return _allowed_keys(inner, rest)
 
 

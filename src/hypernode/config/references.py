@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from hypernode.config.model import Config
+from hypernode.tables.columns import COLUMNS
 
 #: Keys of a case, and of a layer, that name an entry of a section.
 _SECTION = {
@@ -41,6 +42,12 @@ def unknown_references(config: Config, methods: list[str]) -> Iterator[Reference
                 yield Reference((*at, "case"), run.case, "cases", list(config.cases))
             elif run.method not in config.cases[run.case].methods:
                 yield Reference((*at, "method"), run.method, "methods of its case", config.cases[run.case].methods)
+    for name, table in config.tables.items():
+        for index, column in enumerate(getattr(table, "columns", [])):
+            if column not in COLUMNS[table.kind]:
+                yield Reference(
+                    ("tables", name, "columns", index), column, f"columns of {table.kind}", list(COLUMNS[table.kind])
+                )
 
 
 def _of_case(config: Config, name: str, case, methods: list[str]) -> Iterator[Reference]:

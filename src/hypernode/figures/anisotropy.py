@@ -7,79 +7,84 @@ from matplotlib.colors import Normalize
 from hypernode.evaluation.probes import SMALLEST_ANISOTROPY, uniaxial_stress
 from hypernode.figures.style import (
     ANGLE_MAP,
-    FIELD_MAP,
     INCLUSION,
     MATRIX,
-    RC,
     STRAIN_MAP,
     colour_bar,
     draw_field,
-    save,
+    indicator_label,
+    mark_places,
     shared_norm,
     unit_label,
 )
-from hypernode.material.files import load_material
-from hypernode.storage.netcdf import read, units_of
+from hypernode.material.files import material_of
+from hypernode.storage.netcdf import units_of
 
 CURVE_POINTS = 9
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
+def draw(data, settings: dict):
     """Strain, stress, anisotropy and fibre angle, and uniaxial stress along and across the fibres.
 
     The angle is drawn only where the identified response is anisotropic.
 
     Args:
-        inputs: ``evaluation``, ``material`` and ``truth``: paths.
-        files: format -> path.
+        data: ``evaluation``, ``material`` and ``truth``: opened files.
         settings: ``step`` is the load step of the strain.
-        provenance: what the job says of itself.
     """
-    data = read(inputs["evaluation"])
-    found, true = load_material(inputs["material"]), load_material(inputs["truth"])
-    units = units_of(data)
-    length, stress = unit_label(units["length"]), unit_label(units["stress"])
-    anisotropy = data["anisotropy"].values
-    with plt.rc_context(RC):
-        figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.4), layout="constrained")
-        a, b, c, d, e, f = grid.ravel()
-        strain = data["principal_strain"].values[settings["step"]]
-        colour_bar(figure, a, draw_field(a, data, strain, shared_norm(strain), STRAIN_MAP), "max. principal strain [-]")
-        trace = data["trace_P"].values
-        colour_bar(figure, b, draw_field(b, data, trace, shared_norm(trace), FIELD_MAP), "tr $P$" + stress)
-        norm = shared_norm([0.0], anisotropy, data["anisotropy_true"].values)
-        colour_bar(figure, c, draw_field(c, data, anisotropy, norm, FIELD_MAP), "anisotropy [-]")
-        angle = np.ma.masked_where(anisotropy < SMALLEST_ANISOTROPY, data["fibre_angle"].values)
-        shown = draw_field(d, data, angle, Normalize(-90.0, 90.0), ANGLE_MAP)
-        colour_bar(figure, d, shown, "stiffest direction from X [degree]")
-        stretches = np.linspace(1.0, float(data["stretch"].values.max()), CURVE_POINTS)
-        places = zip(data["curve_location"].values, (MATRIX, INCLUSION), ("matrix", "inclusion"), strict=True)
-        for point, colour, name in places:
-            d.plot(*point, "s", color=colour, mec="white", ms=5)
-            fibre = np.deg2rad(_true_angle(data, point))
-            for axes, turn in ((e, fibre), (f, fibre + np.pi / 2)):
-                for material, style, kind in ((found, "-", "identified"), (true, "o", "truth")):
-                    values = _along(material, point, stretches, turn)
-                    axes.plot(stretches, values, style, color=colour, ms=3, mfc="none", label=f"{name}, {kind}")
-        titles = (
-            f"strain at {data['stretch'].values[settings['step']]:.3g}",
-            f"identified, all at {data.attrs['shape_stretch']:.3g}",
-            "anisotropy of the response",
-            "stiffest direction",
-            "along the fibres",
-            "across the fibres",
-        )
-        for letter, axes, title in zip("abcdef", grid.ravel(), titles, strict=True):
-            axes.set_title(f"({letter}) {title}", loc="left")
-            if letter in "abcd":
-                axes.set_xlabel("X" + length)
-                axes.set_ylabel("Y" + length)
-            else:
-                axes.set_xlabel("uniaxial stretch [-]")
-                axes.set_ylabel("$P$" + stress)
-        e.set_ylim(top=1.6 * e.get_ylim()[1])
-        e.legend(frameon=False, loc="upper left", fontsize=6)
-        save(figure, files, provenance, inputs.values())
+    evaluation, step = data["evaluation"], settings["step"]
+    units = units_of(evaluation)
+    anisotropy = evaluation["anisotropy"].values
+    figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.5), layout="constrained")
+    a, b, c, d, e, f = grid.ravel()
+    strain, field = evaluation["principal_strain_measured"].values[step], evaluation["trace_P"].values
+    shown = draw_field(a, evaluation, strain, shared_norm(strain), STRAIN_MAP)
+    colour_bar(figure, a, shown, "max. principal strain [-]")
+    shown = draw_field(b, evaluation, field, shared_norm(field))
+    colour_bar(figure, b, shown, indicator_label(evaluation.attrs["load"], units))
+    norm = shared_norm([0.0], anisotropy, evaluation["anisotropy_true"].values)
+    colour_bar(figure, c, draw_field(c, evaluation, anisotropy, norm), "anisotropy [-]")
+    angle = np.ma.masked_where(anisotropy < SMALLEST_ANISOTROPY, evaluation["fibre_angle"].values)
+    bar = colour_bar(figure, d, draw_field(d, evaluation, angle, Normalize(-90.0, 90.0), ANGLE_MAP), "angle [degree]")
+    bar.set_ticks([-90, -45, 0, 45, 90])
+    if np.ma.getmaskarray(angle).all():
+        d.text(0.5, 0.8, f"anisotropy below\n{SMALLEST_ANISOTROPY:g} everywhere", ha="center", transform=d.transAxes)
+    mark_places(d, evaluation)
+    _responses((e, f), evaluation, material_of(data["material"]), material_of(data["truth"]))
+    titles = (
+        f"measured strain at {evaluation['stretch'].values[step]:.3g}",
+        f"identified, all at {evaluation.attrs['shape_stretch']:.3g}",
+        "anisotropy of the response",
+        "stiffest direction from $X$",
+        "along the fibres",
+        "across the fibres",
+    )
+    for letter, axes, title in zip("abcdef", grid.ravel(), titles, strict=True):
+        axes.set_title(f"({letter}) {title}", loc="left")
+        if letter in "abcd":
+            axes.set_xlabel("$X$" + unit_label(units["length"]))
+            axes.set_ylabel("$Y$" + unit_label(units["length"]))
+        else:
+            axes.set_box_aspect(1)
+            axes.set_xlabel("uniaxial stretch [-]")
+            axes.set_ylabel("$P$" + unit_label(units["stress"]))
+    return figure
+
+
+def _responses(panels, evaluation, found, true) -> None:
+    """Panels e and f, on one scale: uniaxial stress along and across the true fibres at the marked points."""
+    stretches = np.linspace(1.0, float(evaluation["stretch"].values.max()), CURVE_POINTS)
+    places = zip(evaluation["curve_location"].values, (MATRIX, INCLUSION), ("matrix", "inclusion"), strict=True)
+    for point, colour, name in places:
+        fibre = np.deg2rad(_true_angle(evaluation, point))
+        for axes, turn in zip(panels, (fibre, fibre + np.pi / 2), strict=True):
+            for material, style, kind in ((found, "-", "identified"), (true, "o", "truth")):
+                values = _along(material, point, stretches, turn)
+                axes.plot(stretches, values, style, color=colour, ms=3, mfc="none", label=f"{name}, {kind}")
+    low, high = (function(axes.get_ylim()[end] for axes in panels) for function, end in ((min, 0), (max, 1)))
+    for axes in panels:
+        axes.set_ylim(low, 1.7 * high)
+    panels[0].legend(loc="upper left")
 
 
 def _true_angle(data, point) -> float:

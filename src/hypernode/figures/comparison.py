@@ -3,61 +3,77 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+from hypernode.errors import ExpectedError
 from hypernode.evaluation.probes import indicator
-from hypernode.figures.style import ERROR_MAP, FIELD_MAP, RC, draw_field, save, shared_norm, unit_label
-from hypernode.material.files import load_material, material_of
-from hypernode.storage.netcdf import read, units_of
+from hypernode.figures.style import ERROR_MAP, FIELD_MAP, colour_bar, draw_field, indicator_label, shared_norm
+from hypernode.figures.trust import WARNING, unfinished
+from hypernode.material.files import material_of
+from hypernode.storage.netcdf import units_of
+from hypernode.tables.columns import significant
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
-    """One row a run and one column a stretch: the stress when every point undergoes that stretch.
+class ComparisonError(ExpectedError, ValueError):
+    """A comparison cannot be drawn; the message says which run is to blame."""
 
-    Args:
-        inputs: ``run0``, ``run1``, ...: material files; ``truth0``, ...: true materials where known.
-        files: format -> path.
-        settings: ``runs`` (with ``label``), ``stretches``, ``load``, and ``show``: ``stress``, or
-            ``error`` for the relative difference from the truth.
-        provenance: what the job says of itself.
-    """
+
+def _rows(data, settings):
+    """(label, opened file, fields by stretch, true fields or None, how it ended if it did not converge) of each row."""
     stretches, kind, errors = settings["stretches"], settings["load"], settings["show"] == "error"
     rows = []
     for index, run in enumerate(settings["runs"]):
-        file = read(inputs[f"run{index}"])
+        file, truth = data[f"run{index}"], data.get(f"truth{index}")
+        if errors and truth is None:
+            raise ComparisonError(
+                f"figures: the run {run['case']}/{run['method']} has no known truth to show an error against; leave it "
+                "out or write 'show: stress'"
+            )
         X = file["X"].values[file["cells"].values].mean(axis=1)
-        truth = load_material(inputs[f"truth{index}"]) if f"truth{index}" in inputs else None
-        true = [indicator(truth, X, kind, s) for s in stretches] if truth else None
+        true = None if truth is None else [indicator(material_of(truth), X, kind, s) for s in stretches]
         if true and index == 0 and not errors:
-            rows.append(("truth", file, true, true))
-        material = material_of(file)
-        found = [indicator(material, X, kind, s) for s in stretches]
-        rows.append((run["label"], file, found, true))
-    biaxial = kind in ("equibiaxial", "biaxial", "shear")
-    name = "tr $P$" if biaxial else f"$P_{{{'xX' if kind.endswith('x') else 'yY'}}}$"
-    label = "relative error [-]" if errors else name + unit_label(units_of(rows[0][1])["stress"])
-    with plt.rc_context(RC):
-        size = (1.55 * len(stretches) + 0.7, 1.45 * len(rows) + 0.5)
-        figure, panels = plt.subplots(len(rows), len(stretches), figsize=size, layout="constrained", squeeze=False)
-        for column, stretch in enumerate(stretches):
-            shown = []
-            for _, _, found, true in rows:
-                values = found[column]
-                if errors:
-                    values = np.abs(values - true[column]) / np.abs(true[column]).mean()
-                shown.append(values)
-            norm = shared_norm(np.percentile(np.concatenate(shown), [0.5, 99.5]))
-            for row, (title, file, found, true) in enumerate(rows):
-                axes = panels[row, column]
-                mappable = draw_field(axes, file, shown[row], norm, ERROR_MAP if errors else FIELD_MAP)
-                axes.set_xticks([])
-                axes.set_yticks([])
-                if row == 0:
-                    axes.set_title(f"stretch {stretch:g}")
-                if column == 0:
-                    axes.set_ylabel(title)
-                if true is not None and title != "truth":
-                    error = np.linalg.norm(found[column] - true[column]) / np.linalg.norm(true[column])
-                    axes.set_xlabel(f"error {100 * error:.1f} %", fontsize=6)
-            bar = figure.colorbar(mappable, ax=panels[:, column], orientation="horizontal", fraction=0.05, pad=0.02)
-            bar.set_label(label)
-            bar.outline.set_visible(False)
-        save(figure, files, provenance, inputs.values())
+            rows.append(("truth", file, true, None, ""))
+        found = [indicator(material_of(file), X, kind, s) for s in stretches]
+        rows.append((run["label"], file, found, true, unfinished(data[f"evaluation{index}"])))
+    return rows
+
+
+def draw(data, settings: dict):
+    """One row a run and one column a stretch: the stress when every point undergoes that stretch.
+
+    Rows of runs that did not converge say so in the colour of a warning.
+
+    Args:
+        data: ``run0``, ``run1``, ...: opened material files; ``evaluation0``, ...; ``truth0``, ...: true materials
+            where known.
+        settings: ``runs`` (with ``label``), ``stretches``, ``load``, and ``show``: ``stress``, or
+            ``error`` for the difference from the truth over its mean.
+
+    Raises:
+        ComparisonError: an error is to be shown of a run without a truth.
+    """
+    stretches, errors = settings["stretches"], settings["show"] == "error"
+    rows = _rows(data, settings)
+    units = units_of(rows[0][1])
+    label = "error / mean stress [%]" if errors else indicator_label(settings["load"], units)
+    size = (1.55 * len(stretches) + 0.7, 1.45 * len(rows) + 0.7)
+    figure, panels = plt.subplots(len(rows), len(stretches), figsize=size, layout="constrained", squeeze=False)
+    for column, stretch in enumerate(stretches):
+        shown = [
+            100.0 * np.abs(found[column] - true[column]) / np.abs(true[column]).mean() if errors else found[column]
+            for _, _, found, true, _ in rows
+        ]
+        norm = shared_norm(np.percentile(np.concatenate(shown), [0.5, 99.5]))
+        for row, (title, file, found, true, ending) in enumerate(rows):
+            axes = panels[row, column]
+            mappable = draw_field(axes, file, shown[row], norm, ERROR_MAP if errors else FIELD_MAP)
+            axes.set_xticks([])
+            axes.set_yticks([])
+            if row == 0:
+                axes.set_title(f"stretch {stretch:g}")
+            if column == 0:
+                axes.set_ylabel(f"{title}\n(not converged)" if ending else title, color=WARNING if ending else "black")
+            if true is not None:
+                error = np.linalg.norm(found[column] - true[column]) / np.linalg.norm(true[column])
+                axes.set_xlabel(f"error {significant(100 * error)} %", fontsize=6.5)
+        place = {"orientation": "horizontal", "fraction": 0.05, "pad": 0.02}
+        colour_bar(figure, panels[:, column], mappable, label, np.concatenate(shown), **place)
+    return figure

@@ -2,141 +2,146 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
 
+from hypernode.evaluation.probes import indicator
 from hypernode.fem.mesh import EDGES
 from hypernode.figures.style import (
-    FIELD_MAP,
     INCLUSION,
     MATRIX,
     NEUTRAL,
-    RC,
+    SECOND,
     STRAIN_MAP,
     colour_bar,
     draw_field,
+    force_label,
+    from_zero,
+    indicator_label,
+    is_biaxial,
+    mark_places,
     outline,
-    save,
     shared_norm,
     unit_label,
 )
-from hypernode.storage.netcdf import read, units_of
+from hypernode.material.files import material_of
+from hypernode.storage.netcdf import units_of
+
+#: Resultants below this share of the largest are not drawn.
+NO_FORCE = 1e-3
+#: Percentiles of the identified stress between which colours differ.
+USUAL = (1.0, 99.0)
+#: Edge forces: variable -> (marker, words).
+FORCES = {
+    "edge_force": ("o", "measured"),
+    "edge_force_at_identified": ("x", "at identified $F$"),
+    "edge_force_at_measured": ("+", "at measured $F$"),
+}
 
 
 def _forces(axes, data, units):
-    """Panel e: resultant of every measured edge and component against the stretch."""
-    stretch, measured, found = (data[k].values for k in ("stretch", "edge_force", "edge_force_identified"))
-    drawn = 0
+    """Panel e: resultants of the measured edges against the stretch, at both deformations."""
+    measured, drawn = data["edge_force"].values, []
     for edge, name in enumerate(EDGES):
         for i, component in enumerate("xy"):
-            if name not in ("right", "top") or not np.isfinite(measured[:, edge, i]).any():
+            size = np.abs(measured[:, edge, i])
+            if name not in ("right", "top") or not np.isfinite(size).any():
                 continue
-            if np.nanmax(np.abs(measured[:, edge, i])) < 1e-3 * np.nanmax(np.abs(measured)):
+            if np.nanmax(size) < NO_FORCE * np.nanmax(np.abs(measured)):
                 continue
-            colour = (NEUTRAL, "#009E73")[drawn % 2]
-            axes.plot(
-                stretch,
-                measured[:, edge, i],
-                "o",
-                color=colour,
-                ms=4,
-                mfc="none",
-                label=f"$f_{component}$, {name}, measured",
-            )
-            axes.plot(stretch, found[:, edge, i], "x", color=colour, ms=4, label=f"$f_{component}$, {name}, identified")
-            drawn += 1
+            colour = (NEUTRAL, SECOND)[len(drawn) % 2]
+            for variable, (marker, _) in FORCES.items():
+                values = data[variable].values[:, edge, i]
+                axes.plot(data["stretch"].values, values, marker, color=colour, ms=4, mfc="none", lw=0)
+            drawn.append(Line2D([], [], color=colour, lw=3, label=f"$f_{component}$, {name} edge"))
+    kinds = [
+        Line2D([], [], color="black", marker=marker, ms=4, mfc="none", lw=0, label=words)
+        for marker, words in FORCES.values()
+    ]
     axes.set_xlabel("edge stretch [-]")
-    axes.set_ylabel("force" + unit_label(f"{units['force']} · length" if units["length"] == "1" else units["force"]))
-    axes.set_ylim(bottom=0)
-    axes.legend(frameon=False, loc="lower right", fontsize=6, handlelength=1.2)
+    axes.set_ylabel("edge force" + force_label(units))
+    axes.margins(x=0.12)
+    axes.locator_params(axis="x", nbins=4)
+    from_zero(axes)
+    axes.set_ylim(top=axes.get_ylim()[1] + 0.6 * np.ptp(axes.get_ylim()))
+    axes.legend(handles=[*kinds, *drawn], loc="upper left")
 
 
 def _curves(axes, data, units):
     """Panel f: stress against stretch at a point of the matrix and one of the inclusion."""
-    stretch, found = data["curve_stretch"].values, data["curve_identified"].values
-    true = data["curve_true"].values if "curve_true" in data else None
-    component = 0 if data.attrs["load"] in ("equibiaxial", "biaxial", "uniaxial_x", "clamped_x") else 1
+    kind, stretch, found = data.attrs["load"], data["curve_stretch"].values, data["curve_identified"].values
+    component = 0 if is_biaxial(kind) or kind.endswith("x") else 1
     for index, (name, colour) in enumerate((("matrix", MATRIX), ("inclusion", INCLUSION))):
         axes.plot(stretch, found[index, :, component], color=colour, label=f"{name}, identified")
-        if true is not None:
-            axes.plot(
-                stretch[::2], true[index, ::2, component], "o", color=colour, ms=3, mfc="none", label=f"{name}, truth"
-            )
-    mode = "equibiaxial" if data.attrs["load"] in ("equibiaxial", "biaxial", "shear") else "uniaxial"
-    axes.set_xlabel(f"{mode} stretch [-]")
+        if "curve_true" in data:
+            true = data["curve_true"].values[index, ::2, component]
+            axes.plot(stretch[::2], true, "o", color=colour, ms=3, mfc="none", label=f"{name}, truth")
+    axes.set_xlabel(f"{'equibiaxial' if is_biaxial(kind) else 'uniaxial'} stretch [-]")
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + unit_label(units["stress"]))
     # Room for the legend above the curves, which fill both lower corners.
-    axes.set_ylim(top=1.5 * axes.get_ylim()[1])
-    axes.legend(frameon=False, loc="upper left", fontsize=6, handlelength=1.2)
+    axes.set_ylim(top=1.7 * axes.get_ylim()[1])
+    axes.legend(loc="upper left")
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
+def _materials(figure, truth_axes, found_axes, data, truth, label):
+    """Panels c and d: the true material or printed shape, and the identified material, on one scale."""
+    found, kind = data["trace_P"].values, data.attrs["load"]
+    # Single cells that are far off would take the whole scale.
+    usual = np.percentile(found, USUAL)
+    if truth is not None:
+        centres = data["X"].values[data["cells"].values].mean(axis=1)
+        true = indicator(material_of(truth), centres, kind, data.attrs["shape_stretch"])
+        norm = shared_norm(usual, true)
+        colour_bar(figure, truth_axes, draw_field(truth_axes, data, true, norm), label)
+    else:
+        norm = shared_norm(usual)
+        if "shape_true" in data:
+            draw_field(truth_axes, data, data["shape_true"].values.astype(float), shared_norm([0.0, 1.0]), "Greys_r")
+        else:
+            truth_axes.axis("off")
+    colour_bar(figure, found_axes, draw_field(found_axes, data, found, norm), label)
+    outline(found_axes, data, data["shape"].values)
+    mark_places(found_axes, data)
+
+
+def draw(data, settings: dict):
     """Draw strain, equilibrated stress, truth, identified field, forces and curves.
 
     Args:
-        inputs: ``evaluation`` and, for synthetic cases, ``truth``: paths.
-        files: format -> path.
+        data: ``evaluation`` and, for synthetic cases, ``truth``: opened files.
         settings: ``step`` is the load step of panels a and b.
-        provenance: what the job says of itself.
     """
-    step = settings["step"]
-    data = read(inputs["evaluation"])
-    units = units_of(data)
-    kind, stretch = data.attrs["load"], data.attrs["shape_stretch"]
-    biaxial = kind in ("equibiaxial", "biaxial", "shear")
-    stress_label = ("tr $P$" if biaxial else "$P_{xX}$" if kind.endswith("x") else "$P_{yY}$") + unit_label(
-        units["stress"]
+    evaluation, truth, step = data["evaluation"], data.get("truth"), settings["step"]
+    units, kind, stretch = units_of(evaluation), evaluation.attrs["load"], evaluation.attrs["shape_stretch"]
+    label, length = indicator_label(kind, units), unit_label(units["length"])
+    figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.5), layout="constrained")
+    a, b, c, d, e, f = grid.ravel()
+    strain = evaluation["principal_strain_measured"].values[step]
+    shown = draw_field(a, evaluation, strain, shared_norm(strain), STRAIN_MAP)
+    colour_bar(figure, a, shown, "max. principal strain [-]")
+    P = evaluation["P_field"].values[step]
+    normal = np.trace(P, axis1=1, axis2=2) if is_biaxial(kind) else P[:, 0, 0] if kind.endswith("x") else P[:, 1, 1]
+    shown = draw_field(b, evaluation, normal, shared_norm(np.percentile(normal, USUAL)))
+    colour_bar(figure, b, shown, label)
+    _materials(figure, c, d, evaluation, truth, label)
+    _forces(e, evaluation, units)
+    _curves(f, evaluation, units)
+    at = f"{evaluation['stretch'].values[step]:.3g}"
+    known = (
+        f"truth, all at {stretch:.3g}" if truth is not None else "printed shape" if "shape_true" in evaluation else ""
     )
-    length = unit_label(units["length"])
-    with plt.rc_context(RC):
-        figure, grid = plt.subplots(2, 3, figsize=(7.2, 4.4), layout="constrained")
-        panels = dict(zip("abcdef", grid.ravel(), strict=True))
-        strain = data["principal_strain"].values[step]
-        shown = draw_field(panels["a"], data, strain, shared_norm(strain), STRAIN_MAP)
-        colour_bar(figure, panels["a"], shown, "max. principal strain [-]")
-        P = data["P_field"].values[step]
-        normal = P[:, 0, 0] + P[:, 1, 1] if biaxial else P[:, 0, 0] if kind.endswith("x") else P[:, 1, 1]
-        shown = draw_field(panels["b"], data, normal, shared_norm(np.percentile(normal, [1, 99])))
-        colour_bar(figure, panels["b"], shown, stress_label)
-        found = data["trace_P"].values
-        if "P_true" in data:
-            true = _true_indicator(inputs["truth"], data)
-            norm = shared_norm(found, true)
-            shown = draw_field(panels["c"], data, true, norm)
-            colour_bar(figure, panels["c"], shown, stress_label)
+    titles = (
+        f"measured strain at {at}",
+        f"identified stress at {at}",
+        known,
+        f"identified, all at {stretch:.3g}",
+        "edge forces",
+        "response at two points",
+    )
+    for letter, axes, title in zip("abcdef", grid.ravel(), titles, strict=True):
+        axes.set_title(f"({letter}) {title}" if title else "", loc="left")
+        if letter in "abcd":
+            axes.set_xlabel("$X$" + length)
+            axes.set_ylabel("$Y$" + length)
         else:
-            norm = shared_norm(found)
-            if "shape_true" in data:
-                printed = data["shape_true"].values.astype(float)
-                draw_field(panels["c"], data, printed, shared_norm([0.0, 1.0]), "Greys_r")
-            else:
-                panels["c"].axis("off")
-        shown = draw_field(panels["d"], data, found, norm, FIELD_MAP)
-        outline(panels["d"], data, data["shape"].values)
-        colour_bar(figure, panels["d"], shown, stress_label)
-        for (x, y), colour in zip(data["curve_location"].values, (MATRIX, INCLUSION), strict=True):
-            panels["d"].plot(x, y, "s", color=colour, mec="white", ms=5)
-        _forces(panels["e"], data, units)
-        _curves(panels["f"], data, units)
-        truth_title = "true material" if "P_true" in data else "printed shape"
-        titles = {
-            "a": f"strain at {data['stretch'].values[step]:.3g}",
-            "b": f"identified stress at {data['stretch'].values[step]:.3g}",
-            "c": truth_title + (f", all at {stretch:.3g}" if "P_true" in data else ""),
-            "d": f"identified, all at {stretch:.3g}",
-            "e": "edge forces",
-            "f": "stress-stretch",
-        }
-        for key, axes in panels.items():
-            axes.set_title(f"({key}) {titles[key]}", loc="left")
-            if key in "abcd":
-                axes.set_xlabel("X" + length)
-                axes.set_ylabel("Y" + length)
-        save(figure, files, provenance, inputs.values())
-
-
-def _true_indicator(truth_file, data):
-    """The true counterpart of the indicator field."""
-    from hypernode.evaluation.probes import indicator
-    from hypernode.material.files import load_material
-
-    centres = data["X"].values[data["cells"].values].mean(axis=1)
-    return indicator(load_material(truth_file), centres, data.attrs["load"], data.attrs["shape_stretch"])
+            axes.set_box_aspect(1)
+    return figure

@@ -9,15 +9,17 @@ from hypernode.figures.style import (
     INCLUSION,
     MATRIX,
     NEUTRAL,
-    RC,
     STRAIN_MAP,
+    colour_bar,
     draw_field,
+    indicator_label,
+    is_biaxial,
+    mark_places,
     outline,
-    save,
     shared_norm,
     unit_label,
 )
-from hypernode.storage.netcdf import read, units_of
+from hypernode.storage.netcdf import units_of
 
 
 def _box(figure, place, text):
@@ -39,76 +41,64 @@ def _curves(curve, data):
     """Stress-stretch curves of the two marked points, with the truth where it is known."""
     component = 1 if data.attrs["load"].endswith("_y") else 0
     for index, (colour, name) in enumerate(((MATRIX, "matrix"), (INCLUSION, "inclusion"))):
-        curve.plot(
-            data["curve_stretch"].values,
-            data["curve_identified"].values[index, :, component],
-            color=colour,
-            label=name,
-        )
+        found = data["curve_identified"].values[index, :, component]
+        curve.plot(data["curve_stretch"].values, found, color=colour, label=f"{name}, identified")
         if "curve_true" in data:
-            curve.plot(
-                data["curve_stretch"].values[::2],
-                data["curve_true"].values[index, ::2, component],
-                "o",
-                color=colour,
-                mfc="none",
-                ms=3,
-            )
-    curve.set_xlabel("stretch [-]", fontsize=7)
-    curve.set_ylabel("$P$" + unit_label(units_of(data)["stress"]), fontsize=7)
-    curve.set_title("lines identified, circles true", fontsize=6)
-    curve.legend(frameon=False, fontsize=6)
+            true = data["curve_true"].values[index, ::2, component]
+            stretch = data["curve_stretch"].values[::2]
+            curve.plot(stretch, true, "o", color=colour, mfc="none", ms=3, label=f"{name}, truth")
+    curve.set_xlabel(f"{'equibiaxial' if is_biaxial(data.attrs['load']) else 'uniaxial'} stretch [-]")
+    curve.set_ylabel(f"$P_{{{'yY' if component else 'xX'}}}$" + unit_label(units_of(data)["stress"]))
+    # Room for the legend above the curves, which fill both lower corners.
+    curve.set_ylim(top=1.6 * curve.get_ylim()[1])
+    curve.legend(loc="upper left")
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
-    """From displacements to a material: measured u, F, its network, the material field and two of its curves.
+def draw(data, settings: dict):
+    """From displacements to a material: measured u, its strain, the networks, the material field and two curves.
 
     Args:
-        inputs: ``measurement``, ``evaluation``: paths.
-        files: format -> path.
+        data: ``measurement``, ``evaluation``: opened files.
         settings: ``step`` is the load step drawn.
-        provenance: what the job says of itself.
     """
-    measurement, data, step = read(inputs["measurement"]), read(inputs["evaluation"]), settings["step"]
-    units = units_of(data)
+    measurement, evaluation, step = data["measurement"], data["evaluation"], settings["step"]
+    units = units_of(evaluation)
     u = measurement["u_measured"].values.mean(axis=0)[step]
-    size = np.linalg.norm(u, axis=1)[data["cells"].values].mean(axis=1)
-    found = data["trace_P"].values
-    with plt.rc_context(RC):
-        figure = plt.figure(figsize=(7.2, 3.9))
-        fields = (
-            ([0.02, 0.55, 0.2, 0.34], size, "viridis", f"measured displacement, |u|{unit_label(units['length'])}"),
-            (
-                [0.29, 0.55, 0.2, 0.34],
-                data["principal_strain"].values[step],
-                STRAIN_MAP,
-                "deformation gradient F(X, t)",
-            ),
-            ([0.02, 0.06, 0.2, 0.34], found, FIELD_MAP, f"material: tr P at {data.attrs['shape_stretch']:.3g}"),
-        )
-        for place, values, colours, title in fields:
-            axes = figure.add_axes(place)
-            mappable = draw_field(axes, data, values, shared_norm(values), colours)
-            axes.set_xticks([])
-            axes.set_yticks([])
-            axes.set_title(title, fontsize=7)
-            bar = figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03)
-            bar.ax.tick_params(labelsize=5)
-            bar.outline.set_visible(False)
-        outline(axes, data, data["shape"].values)
-        for (x, y), colour in zip(data["curve_location"].values, (MATRIX, INCLUSION), strict=True):
-            axes.plot(x, y, "s", color=colour, mec="white", ms=4)
-        _box(figure, (0.56, 0.66, 0.17, 0.12), "hyper-network\nX $\\to$ weights of the\nneural ODEs")
-        _box(figure, (0.8, 0.66, 0.18, 0.12), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
-        _box(figure, (0.8, 0.36, 0.18, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge forces\n= load cell")
-        _curves(figure.add_axes([0.38, 0.12, 0.28, 0.28]), data)
-        for start, end in (
-            ((0.262, 0.72), (0.287, 0.72)),
-            ((0.532, 0.72), (0.556, 0.72)),
-            ((0.735, 0.72), (0.795, 0.72)),
-            ((0.89, 0.655), (0.89, 0.51)),
-            ((0.8, 0.4), (0.675, 0.3)),
-            ((0.288, 0.25), (0.262, 0.25)),
-        ):
-            _arrow(figure, start, end)
-        save(figure, files, provenance, inputs.values())
+    size = np.linalg.norm(u, axis=1)[evaluation["cells"].values].mean(axis=1)
+    strain, found = evaluation["principal_strain_measured"].values[step], evaluation["trace_P"].values
+    stress = indicator_label(evaluation.attrs["load"], units)
+    figure = plt.figure(figsize=(7.2, 3.9))
+    fields = (
+        ([0.02, 0.54, 0.2, 0.33], size, FIELD_MAP, "measured displacement", "$|u|$" + unit_label(units["length"])),
+        ([0.3, 0.54, 0.2, 0.33], strain, STRAIN_MAP, "deformation", "max. principal strain [-]"),
+        (
+            [0.02, 0.07, 0.2, 0.33],
+            found,
+            FIELD_MAP,
+            f"material, all at {evaluation.attrs['shape_stretch']:.3g}",
+            stress,
+        ),
+    )
+    for place, values, colours, title, label in fields:
+        axes = figure.add_axes(place)
+        mappable = draw_field(axes, evaluation, values, shared_norm(values), colours)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        axes.set_title(title)
+        colour_bar(figure, axes, mappable, label)
+    outline(axes, evaluation, evaluation["shape"].values)
+    mark_places(axes, evaluation)
+    _box(figure, (0.63, 0.64, 0.15, 0.13), "hyper-network\n$X$ $\\to$ weights of\nneural ODEs")
+    _box(figure, (0.83, 0.64, 0.16, 0.13), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
+    _box(figure, (0.83, 0.34, 0.16, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge\nforces = load cell")
+    _curves(figure.add_axes([0.42, 0.13, 0.29, 0.29]), evaluation)
+    for start, end in (
+        ((0.285, 0.9), (0.31, 0.9)),
+        ((0.6, 0.705), (0.625, 0.705)),
+        ((0.787, 0.705), (0.823, 0.705)),
+        ((0.91, 0.63), (0.91, 0.49)),
+        ((0.823, 0.4), (0.72, 0.3)),
+        ((0.355, 0.25), (0.325, 0.25)),
+    ):
+        _arrow(figure, start, end)
+    return figure

@@ -6,44 +6,45 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from hypernode.fem.mesh import EDGE_NAMES
-from hypernode.figures.style import INCLUSION, MATRIX, RC, save, unit_label
-from hypernode.storage.netcdf import read, units_of
+from hypernode.figures.style import INCLUSION, MATRIX, SECOND, force_label, from_zero
+from hypernode.storage.netcdf import units_of
+from hypernode.tables.columns import significant
 
-#: Reference -> its colour and what stands for it.
-SHOWN = {"matrix": (MATRIX, "matrix"), "inclusion": (INCLUSION, "inclusion"), "whole": ("black", "field")}
+#: Reference -> its colour, marker and what stands for it.
+SHOWN = {
+    "matrix": (MATRIX, "o", "matrix"),
+    "inclusion": (INCLUSION, "s", "inclusion"),
+    "whole": (SECOND, "^", "whole field"),
+}
 
 
-def draw(inputs: dict[str, str], files: dict[str, str], settings: dict, provenance: dict) -> None:
+def draw(data, settings: dict):
     """Force against mean stretch: measured on each sheet, and computed with the identified phase.
 
     Args:
-        inputs: ``references``: the file of the stage.
-        files: format -> path.
+        data: ``references``: the opened file of the stage.
         settings: ``case`` and ``method``.
-        provenance: what the job says of itself.
     """
-    data = read(inputs["references"])
-    tests, summary = (json.loads(data.attrs[key]) for key in ("load_cases", "summary"))
-    axis = 0 if data.attrs["load"].endswith("x") else 1
+    file = data["references"]
+    tests, summary = (json.loads(file.attrs[key]) for key in ("load_cases", "summary"))
+    axis = 0 if file.attrs["load"].endswith("x") else 1
     edge = EDGE_NAMES.index(("right", "top")[axis])
-    units = units_of(data)
-    with plt.rc_context(RC):
-        figure, axes = plt.subplots(figsize=(3.4, 3.5), layout="constrained")
-        for index, label in enumerate(tests):
-            phase = label.split(":")[0]
-            colour, shown = SHOWN[phase]
-            steps = data["load_case"].values == index
-            stretch = np.concatenate([[1.0], data["stretch"].values[steps]])
-            measured, found = (
-                np.concatenate([[0.0], data[key].values[steps, edge, axis]])
-                for key in ("edge_force", "edge_force_identified")
-            )
-            error = 100 * summary[f"reference_nrmse_{phase}"]
-            axes.plot(stretch, measured, "o", color=colour, mfc="none", label=f"{label}, measured")
-            axes.plot(stretch, found, "-", color=colour, label=f"identified {shown} (error {error:.1f} %)")
-        axes.set_xlabel("mean stretch [-]")
-        axes.set_ylabel("force" + unit_label(units["force"]))
-        axes.set_ylim(bottom=0.0)
-        # Above the axes: inside, a legend of six lines hides points.
-        figure.legend(loc="outside upper left", frameon=False)
-        save(figure, files, provenance, inputs.values())
+    figure, axes = plt.subplots(figsize=(3.6, 3.7), layout="constrained")
+    for index, label in enumerate(tests):
+        phase, sheet = label.split(": ")
+        colour, marker, shown = SHOWN[phase]
+        steps = file["load_case"].values == index
+        stretch = np.concatenate([[1.0], file["stretch"].values[steps]])
+        measured, found = (
+            np.concatenate([[0.0], file[key].values[steps, edge, axis]])
+            for key in ("edge_force", "edge_force_identified")
+        )
+        error = 100 * summary[f"reference_nrmse_{phase}"]
+        axes.plot(stretch, measured, marker, color=colour, mfc="none", ms=5, label=f"measured, {sheet}")
+        axes.plot(stretch, found, "-", color=colour, label=f"identified {shown}, NRMSE {significant(error)} %")
+    axes.set_xlabel("mean stretch [-]")
+    axes.set_ylabel("edge force" + force_label(units_of(file)))
+    from_zero(axes)
+    # Below the axes: inside, a legend of six lines hides points, and above is where a warning stands.
+    figure.legend(loc="outside lower left")
+    return figure

@@ -1,4 +1,4 @@
-"""One look for every figure: fonts, colours, field maps, saving."""
+"""One look for every figure: fonts, colours, field maps, labels, saving."""
 
 import matplotlib
 
@@ -6,19 +6,23 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
 from hypernode.storage.netcdf import write_bytes_atomically
 
 #: Okabe-Ito colours, told apart with any colour vision.
-MATRIX, INCLUSION, NEUTRAL = "#0072B2", "#D55E00", "#444444"
+MATRIX, INCLUSION, NEUTRAL, SECOND = "#0072B2", "#D55E00", "#444444", "#009E73"
 FIELD_MAP, STRAIN_MAP, ERROR_MAP, ANGLE_MAP = "viridis", "cividis", "magma", "twilight"
 RC = {
     "font.size": 8,
     "axes.titlesize": 8,
     "axes.labelsize": 8,
-    "legend.fontsize": 7,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 6.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.4,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "pdf.fonttype": 42,
@@ -28,14 +32,14 @@ RC = {
 }
 
 
-def draw_field(axes, dataset, values, norm: Normalize, cmap: str = FIELD_MAP):
+def draw_field(axes, data, values, norm: Normalize, cmap: str = FIELD_MAP):
     """Draw one value a cell in the reference configuration; returns the mappable for a colour bar."""
-    corners = dataset["X"].values[dataset["cells"].values]
+    corners = data["X"].values[data["cells"].values]
     cells = PolyCollection(corners, array=np.ma.asarray(values), cmap=cmap, norm=norm, rasterized=True)
     cells.set_edgecolor("face")
     cells.set_linewidth(0.2)
     axes.add_collection(cells)
-    lower, upper = dataset["corners"].values
+    lower, upper = data["corners"].values
     axes.set_xlim(lower[0], upper[0])
     axes.set_ylim(lower[1], upper[1])
     axes.set_aspect("equal")
@@ -44,17 +48,22 @@ def draw_field(axes, dataset, values, norm: Normalize, cmap: str = FIELD_MAP):
     return cells
 
 
-def outline(axes, dataset, shape, color="white"):
+def outline(axes, data, shape, color="white"):
     """Draw the outline of a set of cells."""
-    cells = dataset["cells"].values
+    cells = data["cells"].values
     sides = cells[:, [[0, 1], [1, 2], [2, 3], [3, 0]]].reshape(-1, 2)
     owner = np.repeat(np.asarray(shape, bool), 4)
     _, inverse = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
     inverse = inverse.ravel()
     inside, total = np.bincount(inverse, owner), np.bincount(inverse)
     border = ((inside == 1) & (total == 2))[inverse] & owner
-    lines = dataset["X"].values[sides[border]]
-    axes.add_collection(matplotlib.collections.LineCollection(lines, colors=color, linewidths=0.9))
+    axes.add_collection(LineCollection(data["X"].values[sides[border]], colors=color, linewidths=0.9))
+
+
+def mark_places(axes, data) -> None:
+    """Mark the points of matrix and inclusion at which curves are drawn."""
+    for (x, y), colour in zip(data["curve_location"].values, (MATRIX, INCLUSION), strict=True):
+        axes.plot(x, y, "s", color=colour, mec="white", ms=5)
 
 
 def shared_norm(*fields) -> Normalize:
@@ -64,16 +73,42 @@ def shared_norm(*fields) -> Normalize:
     return Normalize(low, high if high > low else low + 1.0)
 
 
-def colour_bar(figure, axes, mappable, label):
-    """A slim labelled colour bar beside one panel or several."""
-    bar = figure.colorbar(mappable, ax=axes, fraction=0.046, pad=0.03)
+def colour_bar(figure, axes, mappable, label: str, values=None, **place):
+    """A slim labelled colour bar, pointed at an end beyond which there are values, of several fields where given."""
+    values, norm = mappable.get_array() if values is None else values, mappable.norm
+    below, above = values.min() < norm.vmin, values.max() > norm.vmax
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    place = place or {"fraction": 0.046, "pad": 0.03}
+    bar = figure.colorbar(mappable, ax=axes, extend=extend[bool(below), bool(above)], **place)
     bar.set_label(label)
     bar.outline.set_visible(False)
+    return bar
 
 
-def unit_label(text: str) -> str:
-    """A unit in brackets, nothing for a pure number."""
-    return "" if text in ("1", "") else f" [{text}]"
+def unit_label(unit: str) -> str:
+    """A unit in brackets, a dash for a pure number."""
+    return f" [{'-' if unit in ('1', '') else unit}]"
+
+
+def force_label(units: dict[str, str]) -> str:
+    """The unit of a force in brackets; that of a sheet without units of length is a stress times its area."""
+    return f" [{units['force']} × unit area]" if units["length"] == "1" else unit_label(units["force"])
+
+
+def is_biaxial(kind: str) -> bool:
+    """Whether a kind of load is judged under equibiaxial stretch rather than uniaxial stress."""
+    return kind in ("equibiaxial", "biaxial", "shear")
+
+
+def indicator_label(kind: str, units: dict[str, str]) -> str:
+    """The stress that stands for a material: the trace under biaxial loads, the axial one otherwise."""
+    name = "tr $P$" if is_biaxial(kind) else "$P_{xX}$" if kind.endswith("x") else "$P_{yY}$"
+    return name + unit_label(units["stress"])
+
+
+def from_zero(axes) -> None:
+    """Let an axis of forces begin at zero unless some are negative."""
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0 else 0.0)
 
 
 def save(figure, files: dict[str, str], provenance: dict, parents) -> None:
@@ -83,10 +118,11 @@ def save(figure, files: dict[str, str], provenance: dict, parents) -> None:
         "png": {"Software": "hypernode"},
     }
     for kind, path in files.items():
-        write_bytes_atomically(
-            path,
-            lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind]),
-            provenance,
-            parents,
-        )
+        with plt.rc_context(RC):
+            write_bytes_atomically(
+                path,
+                lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind]),
+                provenance,
+                parents,
+            )
     plt.close(figure)

@@ -164,12 +164,13 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
     if figure.kind == "comparison":
         files = {f"run{k}": stage_file(config, r.case, r.method, r.stage) for k, r in enumerate(figure.runs)}
         for index, run in enumerate(figure.runs):
+            files[f"evaluation{index}"] = f"results/{run.case}/{run.method}/evaluation.nc"
             if not config.cases[run.case].specimen:
                 files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
         return files
     folder = f"results/{figure.case}/{figure.method}"
     if figure.kind == "references":
-        return {"references": f"{folder}/references.nc"}
+        return {"references": f"{folder}/references.nc", "evaluation": f"{folder}/evaluation.nc"}
     files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
     if figure.kind == "anisotropy":
         files["material"] = f"{folder}/material.nc"
@@ -179,17 +180,18 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
 
 
 def table_inputs(config: Config, name: str, runs: list[tuple[str, str]], cases: list[str]) -> list[str]:
-    """Evaluation files of the runs in a table, of ``runs`` that there are; ``cases`` are those that are present."""
+    """Result files of the runs in a table, of ``runs`` that there are; ``cases`` are those that are present."""
     table = config.tables[name]
     if table.kind == "settings":
         return []
     chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
-    stage = "evaluation"
+    # How a run ended stands in its evaluation, whatever the table shows.
+    stages = ["evaluation"]
     if table.kind == "validation":
-        stage, chosen = "validation", [run for run in chosen if config.cases[run[0]].unseen_loads]
+        stages, chosen = ["validation", *stages], [run for run in chosen if config.cases[run[0]].unseen_loads]
     if table.kind == "references":
-        stage, chosen = "references", [run for run in chosen if _has_references(config, run[0], cases)]
-    return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen]
+        stages, chosen = ["references", *stages], [run for run in chosen if _has_references(config, run[0], cases)]
+    return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen for stage in stages]
 
 
 def table_settings(config: Config, name: str) -> dict:

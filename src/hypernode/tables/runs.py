@@ -1,203 +1,128 @@
-"""Tables of runs, of their times, and of what the configuration defines: CSV, Markdown and LaTeX."""
+"""Tables of runs: one row a run, or a few statistics of each group of runs."""
 
-import csv
-import io
 import json
+from dataclasses import dataclass, replace
 from fnmatch import fnmatch
-from pathlib import Path
 
 import numpy as np
 
-from hypernode.storage.netcdf import read, write_bytes_atomically
+from hypernode.storage.netcdf import read, units_of
+from hypernode.tables.columns import COLUMNS, DEFAULT, ENDING, Column
+from hypernode.tables.table import Table, best_values, judged_notes, make_frame
 
-#: Column -> (key of the evaluation summary, format).
-COLUMNS = {
-    "stress error": ("stress_error", ".4f"),
-    "all modes": ("stress_error_all_modes", ".4f"),
-    "off interface": ("stress_error_off_interface", ".4f"),
-    "against cell means": ("stress_error_cell_mean", ".4f"),
-    "contrast error": ("contrast_error", ".3f"),
-    "misfit of u [noise]": ("displacement_misfit", ".2f"),
-    "constrained field alone": ("stress_error_constrained", ".4f"),
-    "networks against it": ("network_error", ".4f"),
-    "spread": ("spread", ".4f"),
-    "truth within two spreads": ("within_two_spreads", ".2f"),
-    "correlation": ("correlation", ".3f"),
-    "Dice": ("dice", ".3f"),
-    "Dice, registered": ("dice_registered", ".3f"),
-    "IoU": ("iou", ".3f"),
-    "boundary distance": ("boundary_distance", ".3g"),
-    "fibre angle error [degree]": ("fibre_angle_error", ".2f"),
-    "NRMSE matrix": ("curve_nrmse_matrix", ".4f"),
-    "NRMSE inclusion": ("curve_nrmse_inclusion", ".4f"),
-    "R2 matrix": ("curve_r2_matrix", ".4f"),
-    "R2 inclusion": ("curve_r2_inclusion", ".4f"),
-    "edge force error": ("edge_force_error", ".4f"),
-    "nodal residual": ("equilibrium_residual", ".4f"),
-    "equilibrium gap": ("equilibrium_gap", ".4f"),
-    "inclusion / matrix": ("inclusion_over_matrix", ".2f"),
-    "interpolant misfit": ("interpolant_misfit", ".4f"),
-    "SNR measured [dB]": ("snr_measured", ".1f"),
-    "SNR smoothed [dB]": ("snr_smoothed", ".1f"),
-    "SNR used [dB]": ("snr_used", ".1f"),
-    "parameters": ("parameters", "d"),
-    "unseen loads, u": ("unseen_displacement_error", ".4f"),
-    "unseen loads, forces": ("unseen_force_error", ".4f"),
-    "unseen loads without equilibrium": ("unseen_without_equilibrium", "d"),
-    "sheet of the matrix, NRMSE": ("reference_nrmse_matrix", ".4f"),
-    "sheet of the inclusion, NRMSE": ("reference_nrmse_inclusion", ".4f"),
-    "frames not used, NRMSE": ("reference_nrmse_whole", ".4f"),
-}
+#: Statistic of a group -> function of its values.
+STATISTICS = {"mean": np.mean, "spread": np.std, "median": np.median, "largest": np.max}
+#: Statistics of which a smaller or larger one is better, as its column says.
+COMPARED = ("mean", "median")
+CONVERGED = "converged"
+ENDING_NOTE = (
+    "ending: how the search for the equilibrium field ended; numbers of a run that did not converge are those of an "
+    "unfinished identification."
+)
+BEST_NOTE = "Bold: best of a case."
+NOT_CONVERGED = Column("", "count")
 
 
-def _shown(value, fmt: str) -> str:
-    return "" if value is None or value != value else format(value, fmt)
+@dataclass(frozen=True)
+class Run:
+    """What the files of one run say of it: their summaries together, and the unit of length."""
+
+    case: str
+    method: str
+    summary: dict
+    length: str
+
+    def matches(self, pattern: str) -> bool:
+        """Whether ``case/method`` fits a pattern."""
+        return fnmatch(f"{self.case}/{self.method}", pattern)
+
+    @property
+    def converged(self) -> bool:
+        """False where the run says that it ended otherwise; methods that search for no field say nothing."""
+        return self.summary.get("ending", CONVERGED) == CONVERGED
 
 
-def run_rows(evaluations: list[str], columns: list[str], groups: dict[str, str]) -> list[dict[str, str]]:
-    """One row a run, or one a group of runs with mean, spread and worst value.
-
-    Args:
-        evaluations: evaluation files.
-        columns: names in :data:`COLUMNS`.
-        groups: label -> pattern of ``case/method``; runs are listed one by one where it is empty.
-    """
-    runs = []
-    for path in sorted(evaluations):
-        attributes = read(path).attrs
-        runs.append((json.loads(attributes["run"]), json.loads(attributes["summary"])))
-    if not groups:
-        return [
-            {"case": run["case"], "method": run["method"]}
-            | {name: _shown(summary.get(COLUMNS[name][0]), COLUMNS[name][1]) for name in columns}
-            for run, summary in runs
-        ]
-    table = []
-    for label, pattern in groups.items():
-        members = [summary for run, summary in runs if fnmatch(f"{run['case']}/{run['method']}", pattern)]
-        for statistic, function in (("mean", np.mean), ("spread", np.std), ("median", np.median), ("largest", np.max)):
-            row = {"group": label, "runs": str(len(members)), "statistic": statistic}
-            for name in columns:
-                key, fmt = COLUMNS[name]
-                values = [m[key] for m in members if m.get(key) is not None and m[key] == m[key]]
-                row[name] = _shown(float(function(values)) if values else None, fmt.replace("d", ".0f"))
-            table.append(row)
-    return table
+def read_runs(paths: list[str]) -> list[Run]:
+    """The runs of result files that carry a ``summary``; several files of one run are taken together."""
+    runs = {}
+    for path in sorted(paths):
+        file = read(path)
+        run, summary = (json.loads(file.attrs[key]) for key in ("run", "summary"))
+        key = (run["case"], run["method"])
+        earlier = runs[key].summary if key in runs else {}
+        runs[key] = Run(*key, earlier | summary, units_of(file)["length"])
+    return list(runs.values())
 
 
-def ensemble_rows(evaluations: list[str], groups: dict[str, str]) -> list[dict[str, str]]:
-    """One row a group of runs of one case that differ in their seeds: mean field, spread, calibration.
-
-    Fields are P at common F, all modes and stretches. The spread is the standard deviation over the members; it is
-    calibrated where the truth lies within two spreads of the mean in about 95 % of the places.
-    """
-    files = [(path, read(path)) for path in sorted(evaluations)]
-    table = []
-    for label, pattern in groups.items():
-        members = [
-            file for path, file in files if fnmatch("/".join(Path(path).parts[-3:-1]), pattern) and "P_true" in file
-        ]
-        if len(members) < 2:
-            raise ValueError(f"the ensemble '{label}' has {len(members)} members with a known truth, and needs two")
-        P, true = np.stack([file["P_identified"].values for file in members]), members[0]["P_true"].values
-        mean, spread = P.mean(axis=0), P.std(axis=0, ddof=1)
-        size = np.sqrt(np.mean(true**2))
-        row = {
-            "ensemble": label,
-            "runs": len(members),
-            "error, mean of members": np.mean([np.sqrt(np.mean((member - true) ** 2)) for member in P]) / size,
-            "error of the mean": np.sqrt(np.mean((mean - true) ** 2)) / size,
-            "spread": np.sqrt(np.mean(spread**2)) / size,
-            "truth within two spreads": np.mean(np.abs(mean - true) <= 2.0 * spread),
-        }
-        table.append({name: f"{value:.4f}" if isinstance(value, float) else str(value) for name, value in row.items()})
-    return table
+def _columns(kind: str, runs: list[Run]) -> dict[str, Column]:
+    """Columns of a kind, with the unit of length that these runs have."""
+    length = " or ".join(sorted({run.length.replace("1", "-") for run in runs})) or "-"
+    return {
+        name: replace(column, unit=length) if column.unit == "length" else column
+        for name, column in COLUMNS[kind].items()
+    }
 
 
-def timing_rows(evaluations: list[str]) -> list[dict[str, str]]:
-    """Seconds of wall time and peak memory of every job, from the workflow's benchmark records."""
-    table = []
-    for path in sorted(map(Path, evaluations)):
-        case, method = path.parts[-3:-1]
-        records = path.parents[2] / "benchmarks" / case
-        for record in sorted([*records.glob("*.jsonl"), *(records / method).glob("*.jsonl")]):
-            values = json.loads(record.read_text(encoding="utf-8").splitlines()[-1])
-            row = {"case": case, "method": method, "stage": record.stem, "wall time [s]": f"{values['s']:.1f}"}
-            memory = values.get("max_rss")
-            table.append(row | {"memory [MB]": "" if memory in (None, "NA") else f"{float(memory):.0f}"})
-    return table
+def run_table(runs: list[Run], kind: str, chosen: list[str]) -> Table:
+    """One row a run, the best of a case marked.
 
-
-def settings_rows(entries: dict[str, dict]) -> list[dict[str, str]]:
-    """One row an entry of a section of the configuration, its settings in one column each."""
-    flat = {name: _flatten(entry) for name, entry in entries.items()}
-    keys = list(dict.fromkeys(key for entry in flat.values() for key in entry))
-    return [{"name": name} | {key: entry.get(key, "") for key in keys} for name, entry in flat.items()]
-
-
-def _flatten(entry, prefix: str = "") -> dict[str, str]:
-    flat = {}
-    for key, value in entry.items():
-        if isinstance(value, dict):
-            flat |= _flatten(value, f"{prefix}{key}.")
-        elif value is not None:
-            flat[prefix + key] = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-    return flat
-
-
-def _csv(names, table) -> str:
-    buffer = io.StringIO()
-    writer = csv.DictWriter(buffer, names, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
-    return buffer.getvalue()
-
-
-def _markdown(names, table) -> str:
-    lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
-    lines += ["| " + " | ".join(row[name] for name in names) + " |" for row in table]
-    return "\n".join(lines) + "\n"
-
-
-def _latex(names, table) -> str:
-    def line(cells):
-        return " & ".join(cell.replace("_", r"\_").replace("%", r"\%") for cell in cells) + r" \\"
-
-    body = [line(names), r"\midrule", *(line([row[name] for name in names]) for row in table)]
-    head = r"\begin{tabular}{" + "l" * len(names) + "}"
-    return "\n".join([head, r"\toprule", *body, r"\bottomrule", r"\end{tabular}"]) + "\n"
-
-
-def write_tables(evaluations: list[str], settings: dict, files: dict[str, str], provenance: dict) -> None:
-    """Write one table.
+    The column ``ending`` is shown, beyond those chosen, where a run did not converge.
 
     Args:
-        evaluations: evaluation files of the runs in it.
-        settings: ``kind`` (runs, validation, references, ensemble, timing or settings), with ``columns`` and
-            ``groups``, or ``entries``.
-        files: ``csv``, ``markdown`` and ``latex`` paths.
-        provenance: what the job says of itself.
+        runs: the rows.
+        kind: ``runs``, ``validation`` or ``references``.
+        chosen: names in :data:`COLUMNS` of that kind; its default ones where empty.
     """
-    if settings["kind"] in ("runs", "validation", "references"):
-        own = {
-            kind: [name for name, (key, _) in COLUMNS.items() if key.startswith(prefix)]
-            for kind, prefix in (("validation", "unseen_"), ("references", "reference_"))
-        }
-        later = [name for names in own.values() for name in names]
-        default = own.get(settings["kind"], [name for name in COLUMNS if name not in later])
-        table = run_rows(evaluations, settings["columns"] or default, settings["groups"])
-    elif settings["kind"] == "ensemble":
-        table = ensemble_rows(evaluations, settings["groups"])
-    elif settings["kind"] == "timing":
-        table = timing_rows(evaluations)
-    else:
-        table = settings_rows(settings["entries"])
-    names = list(table[0]) if table else ["case", "method"]
-    for kind, text in (("csv", _csv), ("markdown", _markdown), ("latex", _latex)):
-        content = text(names, table)
-        write_bytes_atomically(
-            files[kind],
-            lambda temporary, content=content: Path(temporary).write_text(content, encoding="utf-8"),
-            provenance,
-            evaluations,
-        )
+    columns = _columns(kind, runs)
+    labels = ["case", "method"]
+    rows = [
+        {"case": run.case, "method": run.method}
+        | {name: run.summary.get(column.key) for name, column in columns.items()}
+        for run in runs
+    ]
+    frame = make_frame(rows, labels, columns)
+    shown, notes = list(chosen or DEFAULT[kind]), []
+    if not all(run.converged for run in runs):
+        shown = [*shown, ENDING] if ENDING not in shown else shown
+        notes.append(ENDING_NOTE)
+    best = best_values(frame, {name: columns[name] for name in shown}, "case")
+    notes = [*judged_notes(columns, shown), *notes, *([BEST_NOTE] if best else [])]
+    return Table(frame, columns, shown, best, notes)
+
+
+def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str, str]) -> Table:
+    """Mean, spread, median and largest value of every group of runs, the best group marked.
+
+    The number of runs that did not converge is shown, beyond the columns chosen, where there are any.
+
+    Args:
+        runs: all runs.
+        kind: ``runs``, ``validation`` or ``references``.
+        chosen: names in :data:`COLUMNS` of that kind; its default ones where empty.
+        groups: label -> pattern of ``case/method``.
+    """
+    # A statistic of counts is no count.
+    columns = {
+        name: replace(column, style="number") if column.style == "count" else column
+        for name, column in _columns(kind, runs).items()
+        if column.style != "text"
+    } | {"not converged": NOT_CONVERGED}
+    rows = []
+    for label, pattern in groups.items():
+        members = [run for run in runs if run.matches(pattern)]
+        ended = sum(not run.converged for run in members)
+        for statistic, function in STATISTICS.items():
+            row = {"group": label, "runs": len(members), "statistic": statistic, "not converged": ended}
+            for name, column in columns.items():
+                values = [v for run in members if (v := run.summary.get(column.key)) is not None and v == v]
+                if values:
+                    row[name] = float(function(values))
+            rows.append(row)
+    frame = make_frame(rows, ["group", "runs", "statistic"], columns)
+    shown = list(chosen or DEFAULT[kind][:7])
+    if frame["not converged"].sum():
+        shown.append("not converged")
+    compared = frame[frame["statistic"].isin(COMPARED)]
+    best = best_values(compared, {name: columns[name] for name in shown}, "statistic")
+    notes = [*judged_notes(columns, shown), *(["Bold: best group."] if best else [])]
+    return Table(frame, columns, shown, best, notes)

@@ -1,0 +1,109 @@
+"""Opened result files of a small sheet whose right half is twice as stiff, as figures take them."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from hypernode.fem.mesh import EDGES
+
+UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
+N, STRETCH = 4, np.array([1.05, 1.1])
+COMMON = {"units": json.dumps(UNITS), "load": "equibiaxial", "shape_stretch": 1.1}
+
+
+def _grid() -> dict:
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, N + 1), np.linspace(0.0, 1.0, N + 1))
+    first = (np.arange(N) + (N + 1) * np.arange(N)[:, None]).ravel()
+    return {
+        "X": (("node", "i"), np.stack([x.ravel(), y.ravel()], axis=1)),
+        "cells": (("cell", "vertex"), np.stack([first, first + 1, first + N + 2, first + N + 1], axis=1)),
+        "corners": (("corner", "i"), np.array([[0.0, 0.0], [1.0, 1.0]])),
+    }
+
+
+def _right_half() -> np.ndarray:
+    return np.tile(np.arange(N) >= N // 2, N)
+
+
+def material(soft: float = 1.0) -> xr.Dataset:
+    """A neo-Hookean sheet, as the file of a true material holds it."""
+    mu = np.where(_right_half(), 2.0, soft)
+    fields = {"material.mu": ("cell", mu), "material.model": ("cell", 0.0 * mu)}
+    attributes = COMMON | {"material_kind": "closed_form", "models": json.dumps(["neo_hookean"])}
+    return xr.Dataset(_grid() | fields, attrs=attributes)
+
+
+def evaluation(ending: str | None = None, **attributes) -> xr.Dataset:
+    """What a run is judged by; every number is its own."""
+    rng = np.random.default_rng(0)
+    cells, steps, points = N * N, len(STRETCH), 5
+
+    def cell(*before):
+        return rng.uniform(0.1, 1.0, (*before, cells))
+
+    force = {f"edge_force{end}": rng.uniform(0.5, 1.0, (steps, len(EDGES), 2)) for end in ("", *_AT)}
+    angles = {key: ("cell", cell()) for key in ("anisotropy", "anisotropy_true", "fibre_angle", "fibre_angle_true")}
+    curve = ("location", "curve_point", "i")
+    summary = {"displacement_misfit": 3.21} | ({"ending": ending} if ending else {})
+    return xr.Dataset(
+        _grid()
+        | {key: (("load_step", "edge", "i"), value) for key, value in force.items()}
+        | angles
+        | {
+            "stretch": ("load_step", STRETCH),
+            "principal_strain_measured": (("load_step", "cell"), cell(steps)),
+            "P_field": (("load_step", "cell", "i", "J"), rng.uniform(0.1, 1.0, (steps, cells, 2, 2))),
+            "trace_P": ("cell", cell()),
+            "shape": ("cell", _right_half().astype(int)),
+            "curve_location": (("location", "i"), np.array([[0.2, 0.5], [0.8, 0.5]])),
+            "curve_stretch": ("curve_point", np.linspace(1.0, 1.1, points)),
+            "curve_identified": (curve, rng.uniform(0.1, 1.0, (2, points, 2))),
+            "curve_true": (curve, rng.uniform(0.1, 1.0, (2, points, 2))),
+        },
+        attrs=COMMON | {"summary": json.dumps(summary)} | attributes,
+    )
+
+
+_AT = ("_at_measured", "_at_identified")
+
+
+def measurement() -> xr.Dataset:
+    """The measured displacement of every node."""
+    u = 0.1 * _grid()["X"][1] * np.ones((1, len(STRETCH), 1, 1))
+    return xr.Dataset({"u_measured": (("repeat", "load_step", "node", "i"), u)})
+
+
+def references() -> xr.Dataset:
+    """A sheet of each phase, pulled along x."""
+    force = np.linspace(0.1, 1.0, 4 * len(EDGES) * 2).reshape(4, len(EDGES), 2)
+    fields = {
+        "load_case": ("load_step", np.array([0, 0, 1, 1])),
+        "stretch": ("load_step", np.tile(STRETCH, 2)),
+        "edge_force": (("load_step", "edge", "i"), force),
+        "edge_force_identified": (("load_step", "edge", "i"), 1.1 * force),
+    }
+    attributes = {
+        "load": "uniaxial_x",
+        "load_cases": json.dumps(["matrix: soft", "inclusion: stiff"]),
+        "summary": json.dumps({"reference_nrmse_matrix": 0.1, "reference_nrmse_inclusion": 0.1}),
+    }
+    return xr.Dataset(fields, attrs=COMMON | attributes)
+
+
+def figure_input(kind: str, ending: str | None) -> tuple[dict, dict]:
+    """(opened files, settings) of a figure of a kind, of a run that ended in a way."""
+    judged = {"evaluation": evaluation(ending)}
+    settings = {"kind": kind, "case": "half", "method": "m", "step": -1}
+    if kind == "comparison":
+        runs = [{"case": "half", "method": name, "label": name} for name in ("first", "second")]
+        settings = {"kind": kind, "runs": runs, "stretches": [1.05, 1.1], "load": "equibiaxial", "show": "stress"}
+        data = {"run0": material(), "run1": material(1.5), "truth0": material(), "truth1": material()}
+        return data | {"evaluation0": evaluation("converged"), "evaluation1": evaluation(ending)}, settings
+    more = {
+        "identification": {"truth": material()},
+        "anisotropy": {"truth": material(), "material": material(1.2)},
+        "overview": {"measurement": measurement()},
+        "references": {"references": references()},
+    }
+    return judged | more[kind], settings

@@ -1,0 +1,104 @@
+"""What every figure promises: the numbers of its files, units, shared scales, embedded fonts, the same bytes."""
+
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+
+from hypernode.figures.comparison import ComparisonError
+from hypernode.figures.render import LAYOUTS, compose
+from hypernode.figures.style import RC, colour_bar, draw_field, save, shared_norm, unit_label
+from tests.figures.data import evaluation, figure_input
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+def panel(figure, letter):
+    return next(axes for axes in figure.axes if axes.get_title(loc="left").startswith(f"({letter})"))
+
+
+def field(axes):
+    return next(artist for artist in axes.collections if isinstance(artist, PolyCollection))
+
+
+@pytest.mark.parametrize("kind", LAYOUTS)
+def test_a_figure_is_the_same_file_every_time_with_its_fonts_in_it(kind, tmp_path, monkeypatch):
+    monkeypatch.setitem(RC, "savefig.dpi", 40)
+    contents = []
+    for folder in ("first", "second"):
+        files = {form: str(tmp_path / folder / f"f.{form}") for form in ("pdf", "png")}
+        save(compose(*figure_input(kind, "stagnated")), files, {"rule": "figure"}, [])
+        contents.append([(tmp_path / folder / f"f.{form}").read_bytes() for form in ("pdf", "png")])
+    assert contents[0] == contents[1]
+    pdf, png = contents[0]
+    assert b"/FontFile2" in pdf and b"/Type3" not in pdf
+    assert b"Date" not in pdf and b"tIME" not in png
+
+
+@pytest.mark.parametrize("kind", LAYOUTS)
+def test_every_axis_and_colour_bar_has_a_unit(kind):
+    figure = compose(*figure_input(kind, None))
+    labels = {label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label}
+    # Rows of a comparison are named, and the error below a panel is a sentence.
+    labels = {label for label in labels if not label.startswith(("truth", "first", "second", "error"))}
+    assert labels and all(re.search(r" \[[^]]+\]$", label) for label in labels)
+
+
+def test_the_panels_show_the_numbers_of_the_file():
+    data, settings = figure_input("identification", None)
+    figure, file = compose(data, settings), data["evaluation"]
+    assert np.array_equal(field(panel(figure, "a")).get_array(), file["principal_strain_measured"][-1])
+    assert np.array_equal(field(panel(figure, "b")).get_array(), np.trace(file["P_field"].values[-1], axis1=1, axis2=2))
+    assert np.array_equal(field(panel(figure, "d")).get_array(), file["trace_P"])
+    forces = {line.get_marker(): [] for line in panel(figure, "e").lines}
+    for line in panel(figure, "e").lines:
+        forces[line.get_marker()].append(line.get_ydata())
+    for marker, key in (("o", "edge_force"), ("x", "edge_force_at_identified"), ("+", "edge_force_at_measured")):
+        # The edges on the right and at the top, both components.
+        assert np.array_equal(forces[marker], file[key].values[:, [1, 1, 3, 3], [0, 1, 0, 1]].T)
+
+
+def test_truth_and_identified_material_share_their_colours():
+    figure = compose(*figure_input("identification", None))
+    scales = [field(panel(figure, letter)).get_clim() for letter in "cd"]
+    assert scales[0] == scales[1]
+
+
+def test_columns_of_a_comparison_share_their_colours_and_rows_their_error():
+    figure = compose(*figure_input("comparison", None))
+    panels = np.array(figure.axes[:6]).reshape(3, 2)
+    for column in panels.T:
+        assert len({field(axes).get_clim() for axes in column}) == 1
+    assert panels[1, 0].get_xlabel() == "error 0 %"
+    # Half the sheet with 1.5 for 1, the other half 2 for 2.
+    assert panels[2, 0].get_xlabel() == f"error {100 * 0.5 / 5**0.5:.1f} %"
+
+
+def test_an_error_without_a_truth_is_refused_with_the_run_to_blame():
+    data, settings = figure_input("comparison", None)
+    del data["truth1"]
+    with pytest.raises(ComparisonError, match="half/second has no known truth"):
+        compose(data, settings | {"show": "error"})
+
+
+def test_a_colour_bar_is_pointed_where_values_lie_beyond_it():
+    file = evaluation()
+    figure, axes = plt.subplots()
+    values = np.linspace(0.0, 1.0, file.sizes["cell"])
+    for norm, extend in (
+        (shared_norm(values), "neither"),
+        (shared_norm([0.0, 0.9]), "max"),
+        (shared_norm([0.1, 1.0]), "min"),
+    ):
+        assert colour_bar(figure, axes, draw_field(axes, file, values, norm), "x [-]").extend == extend
+
+
+@pytest.mark.parametrize(("unit", "label"), [("1", " [-]"), ("", " [-]"), ("mm", " [mm]")])
+def test_a_pure_number_has_a_dash_for_its_unit(unit, label):
+    assert unit_label(unit) == label
