@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hypernode.evaluation.references import pulled_sheet, typical_places
+from hypernode.evaluation.references import pulled_sheet, reference_forces, typical_places
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.material.laws import node_stress
 from hypernode.material.node_material import NodeMaterial
@@ -42,8 +42,36 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
     both = pulled_sheet(measurement, node, jnp.stack([params, other]), Progress("references", "sheet", 1))
     np.testing.assert_allclose(both, 0.5 * (forces + alone), rtol=1e-5, atol=1e-6 * np.abs(alone).max())
     assert np.abs(alone - forces).max() > 0.1 * np.abs(forces).max()
-    recorded = measurement.assign(relaxation=("load_step", [1.25]))
-    np.testing.assert_allclose(pulled_sheet(recorded, node, field, Progress("references", "sheet", 1)), 1.25 * forces)
+
+
+def test_other_frames_of_a_test_are_predicted_with_the_relaxation_of_those_that_are_used():
+    """Their own record has seen the forces that they are judged by; it may say anything and changes nothing."""
+    mesh = rectilinear(np.array([0.0, 2.0, 4.0]), np.array([0.0, 2.0]))
+    node = NodeMaterial(("I1", "I2"), (4,), 4, 1.0, 1.0)
+    params = np.asarray(node.initial_params(jax.random.key(3)), float)
+    u = mesh.nodes * (0.1, -0.04)
+    sheet = xr.Dataset(
+        {
+            "X": (("node", "i"), mesh.nodes),
+            "cells": (("cell", "vertex"), mesh.cells),
+            "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
+            "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
+            "relaxation": (("load_step",), np.array([1.25])),
+            "time": (("load_step",), np.array([3.0])),
+        },
+        attrs={"thickness": 0.5, "displacement_noise": 0.0},
+    )
+    identified = xr.Dataset(
+        {"relaxation_time": ("record_sample", [2.0, 4.0]), "relaxation_factor": ("record_sample", [1.5, 1.3])},
+        attrs={"pace": 1.4 / 0.9},
+    )
+    progress = Progress("references", "sheet", 9)
+    everywhere = lambda places: np.tile(params[:, None], len(places))  # noqa: E731
+    found = reference_forces("whole", sheet, identified, None, node, everywhere, progress)
+    elastic = pulled_sheet(sheet, node, params[None], progress)
+    np.testing.assert_allclose(found, 0.9 * elastic, rtol=1e-12)
+    other = sheet.assign(relaxation=("load_step", np.array([7.0])))
+    np.testing.assert_array_equal(reference_forces("whole", other, identified, None, node, everywhere, progress), found)
 
 
 def test_a_phase_is_represented_by_its_middle_half_and_an_absent_one_is_an_error():
