@@ -34,10 +34,10 @@ from hypernode.config.methods import Frequencies
 from hypernode.fem.equilibrium_gap import EquilibriumGap
 from hypernode.fem.mesh import rectilinear
 from hypernode.material.laws import node_stress
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.neural_ode import layer_sizes
-from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import INVARIANTS, TERMS
 from hypernode.networks.weights import make_network, split_trainable
 from hypernode.training.losses import divergence, mesh_gather

@@ -4,6 +4,11 @@ import sys
 import time
 
 
+def say(stage: str, case: str, text: str) -> None:
+    """One line on standard error about a stage of a case."""
+    print(f"[{stage}] {case}: {text}", file=sys.stderr, flush=True)
+
+
 class Progress:
     """Prints a line at most every few seconds, and one at the end.
 
@@ -26,8 +31,4 @@ class Progress:
         self.last = now
         left = (now - self.start) / max(self.step, 1) * (self.total - self.step)
         shown = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items())
-        print(
-            f"[{self.stage}] {self.case}: step {self.step}/{self.total}, {shown}, {left:.0f} s left",
-            file=sys.stderr,
-            flush=True,
-        )
+        say(self.stage, self.case, f"step {self.step}/{self.total}, {shown}, {left:.0f} s left")

@@ -9,7 +9,7 @@ import xarray as xr
 from hypernode.evaluation.references import pulled_sheet, typical_places
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.material.laws import node_stress
-from hypernode.networks.node_material import NodeMaterial
+from hypernode.material.node_material import NodeMaterial
 from hypernode.progress import Progress
 
 

@@ -11,8 +11,8 @@ from hypernode.fem.equilibrium_gap import EquilibriumGap
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.solver import EquilibriumSolver
 from hypernode.material.laws import mean_of_subcells, node_stress
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.convex_basis import ConvexBasis
-from hypernode.networks.node_material import NodeMaterial
 
 BASIS = ConvexBasis(("I1_squared", "I2", "fibre"), 0.4)
 

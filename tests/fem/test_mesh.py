@@ -1,4 +1,4 @@
-"""Meshes and their division into parts."""
+"""Meshes and their division into subcells."""
 
 import numpy as np
 import pytest
@@ -15,22 +15,22 @@ def with_hole():
     return rectilinear(X_LINES, Y_LINES, keep)
 
 
-@pytest.mark.parametrize("parts", [1, 2, 3])
-def test_parts_fill_their_cells_and_no_hole(parts):
+@pytest.mark.parametrize("subcells", [1, 2, 3])
+def test_subcells_fill_their_cells_and_no_hole(subcells):
     mesh = with_hole()
-    refined = refine(mesh, parts)
-    np.testing.assert_allclose(refined.mesh.areas[refined.parts].sum(axis=1), mesh.areas)
-    np.testing.assert_allclose(refined.mesh.centres[refined.parts].mean(axis=1), mesh.centres, atol=1e-12)
-    assert refined.parts.shape == (10, parts**2)
-    assert np.array_equal(np.sort(refined.parts.ravel()), np.arange(len(refined.mesh.cells)))
-    first, last = refined.mesh.centres[refined.parts[0, [0, -1]]]
-    assert parts == 1 or (first < last).all(), "row by row from the lower left"
+    refined = refine(mesh, subcells)
+    np.testing.assert_allclose(refined.mesh.areas[refined.subcells].sum(axis=1), mesh.areas)
+    np.testing.assert_allclose(refined.mesh.centres[refined.subcells].mean(axis=1), mesh.centres, atol=1e-12)
+    assert refined.subcells.shape == (10, subcells**2)
+    assert np.array_equal(np.sort(refined.subcells.ravel()), np.arange(len(refined.mesh.cells)))
+    first, last = refined.mesh.centres[refined.subcells[0, [0, -1]]]
+    assert subcells == 1 or (first < last).all(), "row by row from the lower left"
 
 
-@pytest.mark.parametrize("parts", [1, 2, 3])
-def test_interpolation_keeps_the_values_of_old_nodes_and_is_bilinear_between(parts):
+@pytest.mark.parametrize("subcells", [1, 2, 3])
+def test_interpolation_keeps_the_values_of_old_nodes_and_is_bilinear_between(subcells):
     mesh = with_hole()
-    refined = refine(mesh, parts)
+    refined = refine(mesh, subcells)
     np.testing.assert_array_equal(refined.mesh.nodes[refined.nodes], mesh.nodes)
 
     def field(X):

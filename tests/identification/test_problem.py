@@ -5,31 +5,31 @@ import pytest
 import xarray as xr
 
 from hypernode.config.methods import Constrained
-from hypernode.identification import problem as field_problem
-from hypernode.identification.problem import FieldProblem
+from hypernode.identification.problem import field_problem
 from hypernode.identification.sensitivities import quadrature
+from hypernode.identification.settings import Strategy
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
 
 @pytest.mark.parametrize("kind", ["equibiaxial", "uniaxial_x", "clamped_y"])
-@pytest.mark.parametrize(("window", "parts"), [(0.0, 1), (0.3, 1), (0.2, 2)])
-def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, parts, monkeypatch):
+@pytest.mark.parametrize(("window", "subcells"), [(0.0, 1), (0.3, 1), (0.2, 2)])
+def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, subcells):
     # Differences need a sharper equilibrium than an identification does.
-    monkeypatch.setattr(field_problem, "NEWTON_TOLERANCE", 1e-10)
+    strategy = Strategy(newton_tolerance=1e-10)
     data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3, window=window)
-    problem = FieldProblem(data, Constrained(terms=["I1_squared"]), parts)
+    problem = field_problem(data, Constrained(terms=["I1_squared"]), subcells, strategy)
     params, _ = problem.inherited(params, [])
     rng = np.random.default_rng(2)
     params = params + rng.normal(0.0, 0.1, params.shape)
     change = rng.normal(0.0, 1.0, params.size)
     sigma = problem.sigma
 
-    states = problem.states(params, problem.extension(params))
+    states = problem.equilibrium.states(params, problem.equilibrium.extension(params))
     linear = problem.linearise(params, states, sigma)
 
     def residuals(params):
-        u, f = problem.residuals(problem.states(params, problem.extension(params)))
+        u, f = problem.residuals(problem.equilibrium.states(params, problem.equilibrium.extension(params)))
         return linear.whiten(np.concatenate([*(r / sigma for r in u), f]))
 
     step = change.reshape(params.shape)
@@ -48,19 +48,19 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, parts, monkey
 
 def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():
     pulled, biaxial = (sheet(8, square, make_load(kind, [1.1, 1.2]))[0] for kind in ("uniaxial_x", "equibiaxial"))
-    both = xr.concat([biaxial, pulled.assign(test=pulled["load_case"] + 1)], "load_step", data_vars="minimal")
+    both = xr.concat([biaxial, pulled.assign(load_case=pulled["load_case"] + 1)], "load_step", data_vars="minimal")
     both["u_measured"] = both["u_measured"].transpose("repeat", "load_step", "node", "i")
     settings = Constrained(terms=["I1_squared"])
-    problem = FieldProblem(both, settings)
-    assert problem.force_misfit.shape == (2,) and problem.force_misfit.max() < 0.01
+    problem = field_problem(both, settings)
+    assert problem.homogeneous.force_misfit.shape == (2,) and problem.homogeneous.force_misfit.max() < 0.01
     assert {f.step for f in problem.forces} == {0, 1, 2, 3}
     assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
 
 
 def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet_at_one():
     data, mesh, _ = sheet(5, square, make_load("clamped_y", [1.1]))
-    whole = FieldProblem(data, Constrained(terms=["I1_squared"]))
-    cut = FieldProblem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
+    whole = field_problem(data, Constrained(terms=["I1_squared"]))
+    cut = field_problem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
     for component in range(2):
         forces = [[f for f in p.forces if f.direction.reshape(-1, 2)[:, component].any()] for p in (whole, cut)]
         ends = [[int(mesh.nodes[f.direction.reshape(-1, 2)[:, component] > 0, 1].mean()) for f in fs] for fs in forces]
@@ -68,13 +68,13 @@ def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet
         assert forces[1][0].value == pytest.approx(-forces[1][1].value)
 
 
-def test_errors_of_held_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
+def test_errors_of_prescribed_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
     """Of the true field the whitened residuals are independent and of unit variance; raw ones are too large."""
     raw, white, count = [], [], 0
     for seed in range(4):
         data, _, params = sheet(12, square, make_load("clamped_y", [1.1, 1.2]), noise=1e-3, seed=seed)
-        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
-        states = problem.states(params, problem.extension(params))
+        problem = field_problem(data, Constrained(terms=["I1_squared"]))
+        states = problem.equilibrium.states(params, problem.equilibrium.extension(params))
         u, f = problem.residuals(states)
         residual = np.concatenate([*(r / problem.sigma for r in u), f])
         raw.append(residual @ residual)
@@ -101,8 +101,10 @@ def test_the_curvature_of_two_steps_is_nearly_that_of_a_noisy_test_and_all_of_it
     load = make_load("equibiaxial", [1.05, 1.1, 1.15, 1.2])
     for noise, difference in ((1e-3, 0.1), (0.0, 1e-12)):
         data, _, params = sheet(5, square, load, noise=noise)
-        problem = FieldProblem(data, Constrained(terms=["I1_squared"]))
-        linear = problem.linearise(params, problem.states(params, problem.extension(params)), problem.sigma)
+        problem = field_problem(data, Constrained(terms=["I1_squared"]))
+        linear = problem.linearise(
+            params, problem.equilibrium.states(params, problem.equilibrium.extension(params)), problem.sigma
+        )
         full, lean = (
             np.linalg.eigvalsh(each(np.eye(params.size))) for each in (linear.curvature, linear.nearly_curvature)
         )

@@ -8,10 +8,10 @@ import scipy.optimize
 
 from hypernode.fem.solver import closed_form_stress
 from hypernode.material.laws import node_energy, node_stress
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.closed_forms import MODELS, energy_density
 from hypernode.mechanics.kinematics import REFERENCE, invariants
 from hypernode.mechanics.parameters import PARAMETERS
-from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.terms import TERMS
 
 VALUES = {

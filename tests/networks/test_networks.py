@@ -10,8 +10,8 @@ from flax import nnx
 
 from hypernode.config.methods import Frequencies
 from hypernode.material.laws import node_stress
+from hypernode.material.node_material import NodeMaterial
 from hypernode.networks.neural_ode import LARGEST_SLOPE, flow, unflatten, weight_count
-from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.potentials import POTENTIALS
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
 

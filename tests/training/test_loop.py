@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.kinematics import Invariants
-from hypernode.networks.node_material import NodeMaterial
 from hypernode.training.loop import data_as_arguments
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from hypernode.config.methods import Frequencies
 from hypernode.fem.mesh import rectilinear
 from hypernode.material.laws import node_stress
-from hypernode.networks.node_material import NodeMaterial
+from hypernode.material.node_material import NodeMaterial
 from hypernode.networks.weights import make_network
 from hypernode.training.losses import divergence, variation
 

@@ -1,4 +1,4 @@
-"""What several stages read from a data file in the same way."""
+"""What is known about the forces of every load step, as mean stresses."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What several stages read from a data file in the same way."""
+"""What a measurement says, read from its opened file."""
 
 import numpy as np
 import xarray as xr
@@ -32,3 +32,8 @@ def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
 def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:
     """Measured force over thickness of an elastic sheet, NaN where not measured."""
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
+
+
+def is_cut_out(measurement: xr.Dataset) -> bool:
+    """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
+    return measurement.attrs["outline"] == "cut"

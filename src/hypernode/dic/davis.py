@@ -10,11 +10,7 @@ from jaxtyping import Bool, Float
 from hypernode.dic.errors import DicError
 
 FRAME = re.compile(r"^(?P<series>.*?)(?P<number>\d{4,})\.csv$")
-
-
 COLUMNS = ("x [pixel]", "y [pixel]", "x-displacement [pixel]", "y-displacement [pixel]")
-
-
 #: Largest file that is read; a frame of ten million points is far below it.
 MAX_BYTES = 2_000_000_000
 

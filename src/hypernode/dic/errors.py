@@ -1,4 +1,4 @@
-"""LaVision DaVis exports: one semicolon-separated file a frame, pixels, y downward."""
+"""The error of every importer."""
 
 from hypernode.errors import ExpectedError
 

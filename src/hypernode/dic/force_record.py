@@ -1,4 +1,4 @@
-"""LaVision DaVis exports: one semicolon-separated file a frame, pixels, y downward."""
+"""Force records of testing machines."""
 
 import csv
 from pathlib import Path

@@ -1,24 +1,24 @@
-"""Stage 2 for a real test: a folder of frames and a force record become a measurement file."""
+"""A real test: frames on one grid and a force record, as the measurement that an identification starts from."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hypernode.config.specimens import Specimen
-from hypernode.dic.davis import Series
+from hypernode.dic.davis import Series, frame_files, read_series
 from hypernode.dic.errors import DicError
-from hypernode.fem.mesh import EDGE_NAMES, Mesh
+from hypernode.dic.force_record import read_force_record
+from hypernode.fem.gradient import deformation_gradient
+from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.mechanics.relaxation import ELASTIC, Relaxation, fit_relaxation
+from hypernode.progress import say
 
 #: The tensile axis of each load that a specimen may have.
 _AXIS = {"clamped_x": 0, "clamped_y": 1}
-
-
 #: Fewest deformed frames from which the course of the stretch is known well enough to tell time from elasticity.
 _FRAMES_FOR_RELAXATION = 4
-
-
 #: Fewest samples of the force record for the same.
 _SAMPLES_FOR_RELAXATION = 20
 
@@ -97,18 +97,27 @@ def _force_at(time: np.ndarray, numbers: np.ndarray, record, path: Path) -> np.n
     return np.interp(time, record_time, record_force)
 
 
-def _relaxation(specimen: Specimen, series: Series, record) -> Relaxation:
-    """What of the force record is a matter of time, from the stretch of every frame that was read."""
-    stretch = _mean_stretch(series, _AXIS[specimen.load])
+def _relaxation(specimen: Specimen, used: Series, record) -> Relaxation:
+    """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
+
+    Frames that are not used, and the record after the last one that is, stay unseen: they may serve as a test.
+    """
+    if not specimen.relaxation:
+        return ELASTIC
+    stretch = _mean_stretch(used, _AXIS[specimen.load])
     known = np.isfinite(stretch) & (stretch > 0.0)
-    if not specimen.relaxation or known.sum() <= _FRAMES_FOR_RELAXATION:
-        return ELASTIC
-    seen = _frame_times(specimen, series, np.array([frame.number for frame in series.frames]))[known]
+    observed = _frame_times(specimen, used, np.array([frame.number for frame in used.frames]))[known]
     time, force = record
-    during = (time >= seen[0]) & (time <= seen[-1])
-    if during.sum() < _SAMPLES_FOR_RELAXATION:
+    during = (time >= observed[0]) & (time <= observed[-1])
+    if known.sum() <= _FRAMES_FOR_RELAXATION or during.sum() < _SAMPLES_FOR_RELAXATION:
+        why = (
+            f"{known.sum()} frames and {during.sum()} samples of the force record are too few to tell relaxation "
+            f"from elasticity (more than {_FRAMES_FOR_RELAXATION} and at least {_SAMPLES_FOR_RELAXATION}): "
+            "the sheet counts as elastic"
+        )
+        say("import", specimen.folder, why)
         return ELASTIC
-    return fit_relaxation(time[during], np.interp(time[during], seen, stretch[known]), force[during])
+    return fit_relaxation(time[during], np.interp(time[during], observed, stretch[known]), force[during])
 
 
 def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
@@ -128,6 +137,100 @@ def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
     edge_force[:, EDGE_NAMES.index(high), axis] = force * share
     edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
     return edge_force, constrained
+
+
+@dataclass(frozen=True)
+class ImportedTest:
+    """A real test on the mesh of its points, in mm, N and s, y upward.
+
+    Attributes:
+        mesh: cells between points that are measured in every frame used.
+        numbers: of the frames used.
+        time: of each since the start of the record (step,).
+        u: displacement since the reference (step, node, 2).
+        H: mean displacement gradient (step, 2, 2).
+        axis: along which the sheet is pulled.
+        edge_force, constrained: resultant and whether the displacement is prescribed, by step, edge and component.
+        relaxation: what of the force is a matter of time.
+        field: corners of the whole measured field (2, 2), before the outermost points were dropped.
+        lost_points: how many points of the grid are lost in a frame used.
+        files: every file that was read.
+    """
+
+    mesh: Mesh
+    numbers: np.ndarray
+    time: np.ndarray
+    u: np.ndarray
+    H: np.ndarray
+    axis: int
+    edge_force: np.ndarray
+    constrained: np.ndarray
+    relaxation: Relaxation
+    field: np.ndarray
+    lost_points: int
+    files: tuple[Path, ...]
+
+
+def import_test(specimen: Specimen) -> ImportedTest:
+    """Read a specimen's frames and force record, the force interpolated at each frame's time.
+
+    Raises:
+        DicError: any input that cannot be used, with file and line.
+    """
+    folder, mm = Path(specimen.folder), specimen.pixel_size
+    full = read_series(folder, specimen.frames)
+    series = _trimmed(full, specimen.edge_ring)
+    numbers = _select(specimen, series)
+    force_path = folder / specimen.force_file
+    record_time, record_force = read_force_record(force_path)
+    record = record_time, record_force - specimen.force_offset
+    time = _frame_times(specimen, series, numbers)
+    force = _force_at(time, numbers, record, force_path)
+    used = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
+    mesh, u = _measured(folder, series, used, numbers, mm)
+    edge_force, constrained = _edges(specimen, mesh, force)
+    paths = frame_files(folder)
+    return ImportedTest(
+        mesh,
+        numbers,
+        time,
+        u,
+        _mean_H(folder, mesh, u, numbers),
+        _AXIS[specimen.load],
+        edge_force,
+        constrained,
+        _relaxation(specimen, used, record),
+        np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]]),
+        int(used.lost.sum()),
+        (force_path, *(paths[frame.number] for frame in full.frames)),
+    )
+
+
+def _measured(folder: Path, series: Series, used: Series, numbers, mm: float):
+    """(mesh of the points that no frame used has lost, their displacement since the reference)."""
+    valid = ~used.lost
+    keep = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
+    if not keep.any():
+        raise DicError(f"{folder}: no four neighbouring points are measured in all of the frames {numbers.tolist()}")
+    mesh = rectilinear(series.x * mm, series.y * mm, keep)
+    grid = np.stack(np.meshgrid(series.x * mm, series.y * mm), axis=-1).reshape(-1, 2)
+    place = _places(grid, mesh.nodes)
+    by_number = {f.number: f.displacement for f in series.frames}
+    u = np.stack([by_number[n].reshape(-1, 2)[place] * mm for n in numbers])
+    reference = by_number[series.frames[0].number].reshape(-1, 2)[place] * mm
+    return mesh, u - np.nan_to_num(reference)
+
+
+def _mean_H(folder: Path, mesh: Mesh, u, numbers) -> np.ndarray:
+    """Mean displacement gradient of every step, where no frame folds the sheet over."""
+    F = deformation_gradient(mesh, u)
+    folded = (np.linalg.det(F) <= 0).any(axis=1)
+    if folded.any():
+        raise DicError(
+            f"{folder}: frame {numbers[int(np.argmax(folded))]} folds the sheet over (det F is not positive): "
+            "leave it out, or export it again"
+        )
+    return np.einsum("scij,c->sij", F, mesh.areas / mesh.areas.sum()) - np.eye(2)
 
 
 def _places(grid, nodes):

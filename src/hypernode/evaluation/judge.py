@@ -26,15 +26,9 @@ from hypernode.synthetic.geometry import make_shape
 
 #: Stretch at which the shape is read from the stress.
 SHAPE_STRETCH = 1.1
-
-
 CURVE_POINTS = 21
-
-
 #: Points along each side of a measured cell at which the truth is averaged.
 SAMPLES = 10
-
-
 #: Signal-to-noise ratio [dB] beyond which there is no noise to speak of.
 EXACT = 200.0
 

@@ -4,21 +4,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.measurement import displacement_noise, mesh_of, relaxation
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
-from hypernode.identification.boundary import prescribed_displacement
 from hypernode.material.laws import node_stress
 from hypernode.progress import Progress
 
 #: Phases by the value of an evaluation's ``shape``.
 PHASES = ("matrix", "inclusion")
-
-
 #: The identified field itself, in other frames of its own test.
 WHOLE = "whole"
-
-
 #: Quantiles of the stiffness of a phase whose cells together stand for it.
 MIDDLE = np.linspace(0.25, 0.75, 5)
 

@@ -1,4 +1,4 @@
-"""Stage 9: how good an identified material is, on one scale for every run."""
+"""Errors of stress fields and of deformation gradients."""
 
 import numpy as np
 

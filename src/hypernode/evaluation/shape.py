@@ -11,8 +11,6 @@ from hypernode.fem.mesh import Mesh
 
 #: Shift over side length and relative change of size that a registration may use, and how often its grid is halved.
 REGISTRATION_LIMIT, REGISTRATION_HALVINGS = 0.05, 4
-
-
 #: Share of the cells at either end whose values count as that of the last one before them.
 OUTLIERS = 0.005
 

@@ -1,9 +1,4 @@
-"""Discrete equilibrium of a cell-wise stress field on a quadrilateral mesh.
-
-Stresses live at the cell centres, P[i, J, step, cell]. The nodal force of a hat function is then
-R_a = sum_c A_c P_c . dN_a/dX, which on a regular grid equals the central-difference divergence at
-the node times the cell area.
-"""
+"""Distance of a cell-wise stress field from the nearest one in equilibrium."""
 
 from dataclasses import dataclass
 

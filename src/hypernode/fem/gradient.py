@@ -1,4 +1,4 @@
-"""Stage 3: deformation gradients at the cell centres from measured displacements."""
+"""Deformation gradients on a mesh from nodal displacements."""
 
 import numpy as np
 from jaxtyping import Float

@@ -27,11 +27,7 @@ from hypernode.mechanics.loads import Load
 from hypernode.mechanics.stress import first_piola_kirchhoff
 
 MAX_ITERATIONS = 20
-
-
 MAX_BISECTIONS = 6
-
-
 #: Share of the residual that may remain after a step with old factors before new ones are made.
 SLOW = 0.3
 

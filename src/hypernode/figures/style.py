@@ -14,7 +14,6 @@ from hypernode.storage.netcdf import write_bytes_atomically
 #: Okabe-Ito colours, told apart with any colour vision.
 MATRIX, INCLUSION, NEUTRAL = "#0072B2", "#D55E00", "#444444"
 FIELD_MAP, STRAIN_MAP, ERROR_MAP, ANGLE_MAP = "viridis", "cividis", "magma", "twilight"
-
 RC = {
     "font.size": 8,
     "axes.titlesize": 8,

@@ -18,16 +18,10 @@ from hypernode.mechanics.convex_basis import ConvexBasis
 
 #: Smoothness weights that cross-validation chooses from, over the mean diagonal of the data's normal matrix.
 SMOOTHNESS = np.logspace(-8, 2, 21)
-
-
 #: Random vectors that estimate the trace in the cross-validation.
 PROBES = 4
-
-
 #: A modulus is no smaller than this share of the homogeneous one: the linear problem knows no sign.
 SMALLEST_MODULUS = 0.02
-
-
 NEO_HOOKEAN = ConvexBasis((), 1.0)
 
 

@@ -7,6 +7,7 @@ Every solve meets them among its search directions. The worst are kept, and the 
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -16,21 +17,18 @@ from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
 
-#: Directions that are kept.
-KEPT = 40
-
-
 #: Directions whose curvature is below this share of the largest, after scaling, say the same as others.
 REDUNDANT = 1e-8
 
 
-def worst_directions(directions, products, metric) -> Float[np.ndarray, "n kept"]:
+def worst_directions(directions, products, metric, kept: int) -> Float[np.ndarray, "n kept"]:
     """Of the span of some directions what a preconditioner misses most (Rayleigh and Ritz).
 
     Args:
         directions: (n, direction).
         products: the system's matrix times each of them.
         metric: the matrix that the preconditioner inverts.
+        kept: how many directions at most.
     """
     scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", directions, products))
     directions, curvature = directions * scale, directions.T @ products * np.outer(scale, scale)
@@ -39,12 +37,28 @@ def worst_directions(directions, products, metric) -> Float[np.ndarray, "n kept"
     whiten = vectors[:, told] / np.sqrt(weight[told])
     # Eigenvalues of the preconditioned system, one over these, would all be one if the preconditioner were perfect.
     inverse, vectors = scipy.linalg.eigh(whiten.T @ (directions.T @ (metric @ directions)) @ whiten)
-    if len(inverse) > KEPT:
+    if len(inverse) > kept:
         # The few at the two ends without which the ratio of the largest to the smallest is least.
-        left = len(inverse) - KEPT
-        low = np.argmin(inverse[left - 1 :] / inverse[: KEPT + 1])
+        left = len(inverse) - kept
+        low = np.argmin(inverse[left - 1 :] / inverse[: kept + 1])
         vectors = np.delete(vectors, np.s_[low : low + left], axis=1)
     return directions @ (whiten @ vectors)
+
+
+class Solution(NamedTuple):
+    """Where conjugate gradients ended.
+
+    Attributes:
+        x: the solution (n,).
+        residual: norm of b - A x over that of b.
+        iterations: how many products with A it took.
+        deflation: directions that make the next system easier (n, direction), or None.
+    """
+
+    x: np.ndarray
+    residual: float
+    iterations: int
+    deflation: np.ndarray | None
 
 
 class DeflatedCG:
@@ -53,45 +67,57 @@ class DeflatedCG:
     Args:
         product: x -> A x, of one vector (n,) or of several (n, k).
         metric: sparse matrix near A, whose factors precondition.
-        known: what a solver of a similar system :meth:`learned`, if there was one.
+        kept: how many directions a solve leaves for the next system.
+        deflation: those that a solve of a similar system left, if there was one (n, direction).
     """
 
-    def __init__(self, product: Callable, metric: scipy.sparse.spmatrix, known: Float[np.ndarray, "n k"] | None = None):
-        self._product, self._metric, self._known = product, metric, known
+    def __init__(
+        self,
+        product: Callable,
+        metric: scipy.sparse.spmatrix,
+        kept: int,
+        deflation: Float[np.ndarray, "n k"] | None = None,
+    ):
+        self._product, self._metric, self._kept, self._deflation = product, metric, kept, deflation
         self._factors = factorise(metric)
-        self._seen = []
-        if known is not None:
-            self._image = product(known)
-            coarse = known.T @ self._image
+        if deflation is not None:
+            self._image = product(deflation)
+            coarse = deflation.T @ self._image
             self._coarse = scipy.linalg.inv((coarse + coarse.T) / 2)
 
     def _precondition(self, r):
-        """Exact in the known directions, the factors of the metric in what is left of the others."""
-        if self._known is None:
+        """Exact in the deflated directions, the factors of the metric in what is left of the others."""
+        if self._deflation is None:
             return self._factors.solve(r)
-        share = self._coarse @ (self._known.T @ r)
+        share = self._coarse @ (self._deflation.T @ r)
         rest = self._factors.solve(r - self._image @ share)
-        return rest + self._known @ (share - self._coarse @ (self._image.T @ rest))
+        return rest + self._deflation @ (share - self._coarse @ (self._image.T @ rest))
 
-    def solve(self, b: Float[np.ndarray, " n"], rtol: float, iterations: int) -> Float[np.ndarray, " n"]:
-        """A x = b to the relative residual ``rtol``, or as near as ``iterations`` come."""
-        self._seen = []
+    def solve(self, b: Float[np.ndarray, " n"], rtol: float, iterations: int, learn: bool = True) -> Solution:
+        """A x = b to the relative residual ``rtol``, or as near as ``iterations`` come.
+
+        Args:
+            learn: whether a further system follows, for which the worst directions are kept.
+        """
+        searched = []
 
         def product(x):
-            self._seen.append((x.copy(), self._product(x)))
-            return self._seen[-1][1]
+            searched.append((x.copy(), self._product(x)))
+            return searched[-1][1]
 
         shape = (len(b), len(b))
         A = scipy.sparse.linalg.LinearOperator(shape, product, dtype=float)
         M = scipy.sparse.linalg.LinearOperator(shape, self._precondition, dtype=float)
-        return scipy.sparse.linalg.cg(A, b, rtol=rtol, maxiter=iterations, M=M)[0]
+        x = scipy.sparse.linalg.cg(A, b, rtol=rtol, maxiter=iterations, M=M)[0]
+        residual = np.linalg.norm(b - self._product(x)) / max(np.linalg.norm(b), np.finfo(float).tiny)
+        return Solution(x, float(residual), len(searched), self._worst(searched) if learn else None)
 
-    def learned(self) -> Float[np.ndarray, "n kept"] | None:
-        """What was worst among the known directions and those of the last solve; the known ones if there were none."""
-        if not self._seen:
-            return self._known
-        parts = [np.stack(each, axis=1) for each in zip(*self._seen, strict=True)]
-        if self._known is not None:
-            known = self._known, self._image
-            parts = [np.concatenate(each, axis=1) for each in zip(known, parts, strict=True)]
-        return worst_directions(*parts, self._metric)
+    def _worst(self, searched) -> Float[np.ndarray, "n kept"] | None:
+        """What was worst among the deflated directions and those of a solve; the former if it had none."""
+        if not searched:
+            return self._deflation
+        parts = [np.stack(each, axis=1) for each in zip(*searched, strict=True)]
+        if self._deflation is not None:
+            before = self._deflation, self._image
+            parts = [np.concatenate(each, axis=1) for each in zip(before, parts, strict=True)]
+        return worst_directions(*parts, self._metric, self._kept)

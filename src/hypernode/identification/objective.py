@@ -2,113 +2,128 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.identification.deflated_cg import DeflatedCG
+from hypernode.identification.deflated_cg import DeflatedCG, Solution
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.regulariser import Jumps
+from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.identification.sensitivities import Jacobian
-
-#: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
-LINEAR_ITERATIONS = (150, 200)
+from hypernode.identification.settings import STRATEGY, Strategy
 
 
-#: Residual at which they end, relative to the gradient: while the displacements are not explained, and
-#: then. The valleys on the way are narrow; a loose step crosses them to and fro, and where that ends is chance.
-LINEAR_TOLERANCE = (0.001, 0.003)
+class Step(NamedTuple):
+    """A damped Gauss-Newton step and what its linear solve says of it.
+
+    Attributes:
+        change: of the parameters, flattened.
+        gradient_norm: of the objective by the parameters, where it is linearised.
+        cg_residual, cg_iterations: where conjugate gradients ended: relative residual, and how many iterations.
+        deflation: what they learned, for the next step's.
+    """
+
+    change: np.ndarray
+    gradient_norm: float
+    cg_residual: float
+    cg_iterations: int
+    deflation: np.ndarray | None
 
 
-#: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors
-#: estimate it.
-CURVATURE_SHARE, CURVATURE_PROBES = 0.3, 2
-
-
-#: Relative residual and most iterations of a draw.
-DRAW_TOLERANCE, DRAW_ITERATIONS = 0.01, 100
-
-
-@dataclasses.dataclass
+@dataclasses.dataclass(frozen=True)
 class Objective:
-    """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge."""
+    """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge.
+
+    Methods that take ``linear``, the sensitivities at some field, whiten residuals by the errors of prescribed edges
+    that it knows; without it they count as independent.
+
+    Attributes:
+        problem: the data, and the equilibrium that ties a field to them.
+        regulariser, regulariser_weight, jump_cost: what jumps cost.
+        ridge, centre: weight of the squared distance of each parameter from where it would be without data.
+    """
 
     problem: FieldProblem
-    jumps: Jumps
+    regulariser: Regulariser
     regulariser_weight: float
-    ridge: np.ndarray
-    centre: np.ndarray
-    #: What the last step learned of the normal equations, for the next one's.
-    known: np.ndarray | None = None
-    #: The last linearisation: it knows what residuals share.
-    linear: Jacobian | None = None
+    jump_cost: JumpCost
+    ridge: Float[np.ndarray, " parameter"]
+    centre: Float[np.ndarray, " parameter"]
+    strategy: Strategy = STRATEGY
 
-    def residuals(self, states, sigma: float) -> tuple[np.ndarray, np.ndarray]:
-        """(displacements, forces): misfits over their uncertainties, free of what errors of held edges explain."""
+    def residuals(self, states, sigma: float, linear: Jacobian | None) -> tuple[np.ndarray, np.ndarray]:
+        """(displacements, forces): misfits over their uncertainties, free of what errors of edges explain."""
         u, f = self.problem.residuals(states)
         every = np.concatenate([*(r / sigma for r in u), f])
-        if self.linear is not None:
-            every = self.linear.whiten(every)
+        if linear is not None:
+            every = linear.whiten(every)
         return tuple(np.split(every, [len(every) - len(f)]))
 
-    def misfit(self, states) -> float:
+    def misfit(self, states, linear: Jacobian | None) -> float:
         """Root mean square of the displacement misfit over its noise."""
-        # The last linearisation has the uncertainty that displacements had then.
-        sigma = self.problem.sigma if self.linear is None else self.linear.sigma
-        u, _ = self.residuals(states, sigma)
+        # A linearisation has the uncertainty that displacements had there.
+        sigma = self.problem.sigma if linear is None else linear.sigma
+        u, _ = self.residuals(states, sigma, linear)
         return float(np.sqrt(np.mean(u**2))) * sigma / self.problem.sigma
 
-    def force_misfit(self, states) -> float:
+    def force_misfit(self, states, linear: Jacobian | None) -> float:
         """Root mean square of the misfit of the forces over their uncertainty."""
-        _, f = self.residuals(states, self.problem.sigma)
+        _, f = self.residuals(states, self.problem.sigma, linear)
         return float(np.sqrt(np.mean(f**2))) if len(f) else 0.0
 
-    def value(self, params, states, sigma: float) -> float:
+    def value(self, params, states, sigma: float, linear: Jacobian | None) -> float:
         """The objective with displacements weighted by ``sigma``."""
-        regular = self.regulariser_weight * self.jumps.value(params)
+        regular = self.regulariser_weight * self.regulariser.value(params, self.jump_cost)
         regular += 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2
-        return self.misfits(states, sigma) + regular
+        return self.misfits(states, sigma, linear) + regular
 
-    def misfits(self, states, sigma: float) -> float:
+    def misfits(self, states, sigma: float, linear: Jacobian | None) -> float:
         """The share of displacements and forces in :meth:`value`."""
-        return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma))
+        return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma, linear))
 
-    def linearise(self, params, states, sigma: float) -> None:
-        """Make a field the one about which steps, draws and what residuals share are known."""
-        self.linear = self.problem.linearise(params, states, sigma)
+    def gauss_newton(self, linear: Jacobian, params, states, damping: float, explained: bool, deflation) -> Step:
+        """Step of a damped Gauss-Newton iteration from the field of ``linear``, by conjugate gradients.
 
-    def gauss_newton(self, params, states, damping: float, explained: bool):
-        """Step of a damped Gauss-Newton iteration from the field linearised last, by conjugate gradients."""
+        Args:
+            explained: whether the displacements are already explained, so that the step may be looser.
+            deflation: what the step before left, or None.
+        """
+        strategy = self.strategy
         R, r, B = self._jump_roots(params)
-        gradient = self.linear.adjoint(np.concatenate(self.residuals(states, self.linear.sigma)))
+        gradient = linear.adjoint(np.concatenate(self.residuals(states, linear.sigma, linear)))
         gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
-        system = NormalEquations(self.linear.nearly_curvature, R, B, self.ridge + damping, self.known)
-        iterations = LINEAR_ITERATIONS[int(self.jumps.scale is not None)]
-        step = system.solve(-gradient, LINEAR_TOLERANCE[int(explained)], iterations)
-        self.known = system.learned()
-        return step
+        system = NormalEquations(linear.nearly_curvature, R, B, self.ridge + damping, deflation, strategy)
+        iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]
+        solution = system.solve(-gradient, strategy.cg_tolerance[int(explained)], iterations)
+        change = system.to_params(solution.x)
+        norm = float(np.linalg.norm(gradient))
+        return Step(change, norm, solution.residual, solution.iterations, solution.deflation)
 
-    def draws(self, params, count: int, seed: int) -> Float[np.ndarray, "draw cell parameter"]:
+    def posterior_samples(
+        self, linear: Jacobian, params, count: int, seed: int, deflation=None
+    ) -> Float[np.ndarray, "posterior_sample cell parameter"]:
         """Fields that the test tells as little from the best one, where it is linearised, as its noise allows.
 
         Samples of the Gaussian with the curvature of the objective there (Laplace's approximation): each answers to
         data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
-        linear = self.linear
+        strategy = self.strategy
         R, _, B = self._jump_roots(params)
-        system = NormalEquations(linear.curvature, R, B, self.ridge, self.known)
+        system = NormalEquations(linear.curvature, R, B, self.ridge, deflation, strategy)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
             disturbed += block_diagonal(B).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            fields.append(params + system.solve(disturbed, DRAW_TOLERANCE, DRAW_ITERATIONS).reshape(params.shape))
+            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.sample_iterations, learn=False)
+            fields.append(params + system.to_params(solution.x).reshape(params.shape))
         return np.array(fields)
 
     def _jump_roots(self, params):
-        """:meth:`Jumps.roots` with the weight of jumps."""
-        R, r, B = self.jumps.roots(params)
+        """:meth:`Regulariser.roots` with the regulariser's weight."""
+        R, r, B = self.regulariser.roots(params, self.jump_cost)
         weight = np.sqrt(self.regulariser_weight)
         return weight * R, weight * r, B
 
@@ -129,10 +144,18 @@ class NormalEquations:
         R: root of the jumps' quadratic form.
         B: one invertible block a cell.
         ridge: by parameter.
-        known: what an earlier system :meth:`learned`.
+        deflation: what the solve of an earlier system left, or None.
     """
 
-    def __init__(self, curvature: Callable, R, B: Float[np.ndarray, "cell coordinate parameter"], ridge, known):
+    def __init__(
+        self,
+        curvature: Callable,
+        R,
+        B: Float[np.ndarray, "cell coordinate parameter"],
+        ridge,
+        deflation,
+        strategy: Strategy,
+    ):
         inverse = np.linalg.inv(B)
         self._to_params = block_diagonal(inverse).tocsr()
         self._to_coordinates = self._to_params.T.tocsr()
@@ -148,17 +171,17 @@ class NormalEquations:
 
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], CURVATURE_PROBES))
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], strategy.curvature_probes))
         estimate = (signs * data(signs)).mean(axis=1).reshape(B.shape[:2])
-        typical = CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
+        typical = strategy.curvature_share * np.maximum(estimate.mean(axis=0), 0.0)
         held = np.einsum("cp,cpq->cq", ridge.reshape(B.shape[:2]), inverse**2)
         metric = jumps + scipy.sparse.diags((held + typical).ravel())
-        self._solver = DeflatedCG(product, metric, known)
+        self._solver = DeflatedCG(product, metric, strategy.deflated_directions, deflation)
 
-    def solve(self, b, rtol: float, iterations: int):
-        """x to the relative residual ``rtol`` of the coordinates' system, or as near as ``iterations`` come."""
-        return self._to_params @ self._solver.solve(self._to_coordinates @ b, rtol, iterations)
+    def solve(self, b, rtol: float, iterations: int, learn: bool = True) -> Solution:
+        """The coordinates y to the relative residual ``rtol``, or as near as ``iterations`` come."""
+        return self._solver.solve(self._to_coordinates @ b, rtol, iterations, learn)
 
-    def learned(self):
-        """What makes the next system easier, see :class:`DeflatedCG`."""
-        return self._solver.learned()
+    def to_params(self, y):
+        """x of the coordinates y."""
+        return self._to_params @ y

@@ -16,7 +16,7 @@ from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
 
-#: Variance that errors of held edges add to a combination of residuals, over its own, below which it is left out.
+#: Variance that errors of prescribed edges add to a combination of residuals, over its own, below which it is left out.
 NEGLIGIBLE_VARIANCE = 1e-2
 
 
@@ -48,21 +48,21 @@ def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
 class StepJacobian:
     """The Jacobian J (residual, parameter) of one load step at one material field.
 
-    Residuals are the seen displacements of the step, then its forces, over their uncertainties. Errors of the held
-    edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges' independent
+    Residuals are the observed displacements of the step, then its forces, over their uncertainties. Errors of the
+    prescribed edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges' independent
     errors. Its inverse root is I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
 
     Attributes:
         factor: factors of the free tangent stiffness.
-        seen, parameters: how many displacements are seen, and how many parameters there are.
+        observed, parameters: how many displacements are observed, and how many parameters there are.
 
     Args:
         K: tangent stiffness (degree of freedom, degree of freedom).
         B: derivative of the nodal forces by the parameters (degree of freedom, parameter).
         free: free degrees of freedom.
-        observe: seen displacements over their uncertainty from all of them.
+        observe: observed displacements over their uncertainty from all of them.
         forces: direction (degree of freedom,) and uncertainty of every measured resultant.
-        errors: errors of the held displacements (degree of freedom, independent standard normal number).
+        errors: errors of the prescribed displacements (degree of freedom, independent standard normal number).
     """
 
     def __init__(self, K, B, free, observe, forces, errors):
@@ -74,10 +74,10 @@ class StepJacobian:
         self._force_rows = np.zeros((len(forces), B.shape[1]))
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
-        self.seen, self.parameters = observe.shape[0], B.shape[1]
-        held = np.flatnonzero(errors.any(axis=1))
+        self.observed, self.parameters = observe.shape[0], B.shape[1]
+        prescribed = np.flatnonzero(errors.any(axis=1))
         du = errors.copy()
-        du[free] = -self.factor.solve(rows[:, held] @ errors[held])
+        du[free] = -self.factor.solve(rows[:, prescribed] @ errors[prescribed])
         A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
         variance, V = scipy.linalg.eigh(A.T @ A)
         told = variance > NEGLIGIBLE_VARIANCE
@@ -92,13 +92,13 @@ class StepJacobian:
         return residual - self._shared @ (share * (self._shared.T @ residual).T).T
 
     def whiten(self, residual):
-        """Residuals that share the errors of held edges, as independent ones of unit variance."""
+        """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
         return self._without(1.0 - 1.0 / np.sqrt(1.0 + self._variance), residual)
 
     def _adjoint(self, residual):
         """J^T residual, not whitened."""
-        seen, forces = np.split(residual, [self.seen])
-        return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._observe.T @ seen)
+        observed, forces = np.split(residual, [self.observed])
+        return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._observe.T @ observed)
 
     def adjoint(self, residual):
         """J^T residual."""
@@ -113,7 +113,7 @@ class StepJacobian:
 class Jacobian:
     """The Jacobian J (residual, parameter) of all load steps.
 
-    Residuals are the seen displacements step by step, then the forces.
+    Residuals are the observed displacements step by step, then the forces.
 
     Args:
         force_steps: the load step of every force.
@@ -123,7 +123,9 @@ class Jacobian:
 
     def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float, shares):
         self.steps, self.sigma, self._shares = steps, sigma, shares
-        of_step = np.concatenate([*(np.full(step.seen, k) for k, step in enumerate(steps)), np.array(force_steps, int)])
+        of_step = np.concatenate(
+            [*(np.full(step.observed, k) for k, step in enumerate(steps)), np.array(force_steps, int)]
+        )
         self._rows = [np.flatnonzero(of_step == k) for k in range(len(steps))]
         #: (residuals, parameters).
         self.shape = len(of_step), steps[0].parameters
@@ -133,7 +135,7 @@ class Jacobian:
         return [step.displacement(change) for step in self.steps]
 
     def whiten(self, residual: Float[np.ndarray, " residual"]):
-        """Residuals that share the errors of held edges, as independent ones of unit variance."""
+        """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
         white = np.empty_like(residual)
         for step, rows in zip(self.steps, self._rows, strict=True):
             white[rows] = step.whiten(residual[rows])

@@ -1,4 +1,4 @@
-"""The identified (or true) material of a sheet as three functions of position and deformation."""
+"""A material as three functions of position and deformation."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""The identified (or true) material of a sheet as three functions of position and deformation."""
+"""Materials read from the files that hold them."""
 
 import dataclasses
 import json
@@ -13,10 +13,10 @@ from hypernode.config.methods import Frequencies
 from hypernode.material.basis_file import basis_field
 from hypernode.material.field import Material
 from hypernode.material.laws import mean_of_subcells, node_energy, node_stress
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.closed_forms import energy_density, energy_derivatives
 from hypernode.mechanics.kinematics import invariants
 from hypernode.mechanics.stress import first_piola_kirchhoff
-from hypernode.networks.node_material import NodeMaterial
 from hypernode.networks.weights import from_arrays
 from hypernode.storage.netcdf import StorageError, read, units_of
 

@@ -1,13 +1,13 @@
-"""The identified (or true) material of a sheet as three functions of position and deformation."""
+"""Stress and energy of neural-ODE materials and of cells divided into subcells."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.kinematics import REFERENCE, Invariants, invariants
 from hypernode.mechanics.stress import first_piola_kirchhoff
-from hypernode.networks.node_material import NodeMaterial
 
 #: Gauss-Legendre points of the integral that turns dPsi/dI into an energy.
 ENERGY_POINTS = 16

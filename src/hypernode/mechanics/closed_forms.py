@@ -95,8 +95,6 @@ MODELS: dict[str, ClosedForm] = {
         "mu/2 (I1 - 3 - 2 ln J) + K/2 (J - 1)^2", ("mu", "K"), (), compressible_neo_hookean
     ),
 }
-
-
 #: Values that keep an energy finite where a material point belongs to another model.
 NEUTRAL = {"k2": 1.0, "K": 1.0}
 

@@ -42,7 +42,6 @@ ROUNDING = 0.02
 #: Coefficients below this size approach zero gradually. They vanish at finite parameters, not at minus
 #: infinity: logarithms stop a search that has to take a term away.
 SMALLEST = 0.005
-
 #: Term -> names of its parameters and where an identification starts from.
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},

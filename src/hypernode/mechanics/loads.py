@@ -15,7 +15,6 @@ _ROLLERS_X = (("left", 0), ("right", 0))
 _ROLLERS_Y = (("bottom", 1), ("top", 1))
 _CLAMPS_Y = (("bottom", 0), ("bottom", 1), ("top", 0), ("top", 1))
 _CLAMPS_X = (("left", 0), ("left", 1), ("right", 0), ("right", 1))
-
 #: Kind of load -> constrained (edge, component) pairs; every other pair is free of traction.
 CONSTRAINED = {
     "equibiaxial": _ROLLERS_X + _ROLLERS_Y,

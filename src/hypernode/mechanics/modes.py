@@ -1,4 +1,4 @@
-"""What a material field does under prescribed homogeneous deformations."""
+"""Homogeneous deformations in which materials are compared."""
 
 import numpy as np
 

@@ -19,8 +19,6 @@ from hypernode.pipeline.compiler import set_up_compiler
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
-
-
 #: Kept open for the life of the process: closing a file gives its lock back.
 _held = []
 

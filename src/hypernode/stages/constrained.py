@@ -1,15 +1,6 @@
-"""Equilibrium as a constraint: the material field whose finite-element solution is what was measured.
+"""Stage 2b: the equilibrium field that explains the measured displacements and forces."""
 
-Displacements are data here, not input. The unknown is a field of convex-basis coefficients, one set a
-cell; for every guess JAX-FEM solves the equilibrium of each load step, and the misfit of displacements
-and edge forces, in units of their noise, is reduced together with the jumps of the field by
-Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly matters.
-
-The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
-valleys that all coefficients together make. From there the other terms are released. Where noise makes
-many minima, what was found is shaken out of its own to see whether there is a better one. Where interfaces lie
-anywhere and noise does not hide them, cells are then divided.
-"""
+import json
 
 import numpy as np
 
@@ -17,6 +8,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.strategy import identify
 from hypernode.material.basis_file import basis_content
 from hypernode.storage.netcdf import read, units_of, write
+from hypernode.storage.schema import without_truth
 
 
 def run(settings: Constrained, name: str, measurement_file: str, output: str, attributes: dict) -> None:
@@ -29,20 +21,16 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         IdentificationError: no equilibrium at the homogeneous start.
     """
     measurement = read(measurement_file)
-    found = identify(measurement, settings, name)
-    problem, params, states, history = found.problem, found.params, found.states, found.history
-    refinement = problem.refinement
-    u = np.stack([state.u[refinement.nodes] for state in states])
+    found = identify(without_truth(measurement), settings, name)
+    problem, history, refinement = found.problem, found.history, found.problem.refinement
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
-    variables |= {"u": u, "loss": history, "loss_iteration": np.arange(len(history))}
-    content, kind = basis_content(problem.basis, params.T[:, refinement.subcells.T])
+    variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
+    variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
+    content, kind = basis_content(problem.basis, found.params.T[:, refinement.subcells.T])
     variables |= content
     # Without noise there is nothing that a test cannot tell apart by chance.
     if settings.posterior_samples and problem.noisy:
-        draws = found.objective.draws(params, settings.posterior_samples, settings.seed)
-        draws = np.moveaxis(draws, -1, 0)[..., refinement.subcells.T]
-        dims = ("posterior_sample", "part", "cell")
-        variables |= {f"posterior.{key}": (dims, draws[k]) for k, key in enumerate(problem.basis.names)}
+        variables |= _posterior(found, settings)
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(
@@ -51,12 +39,30 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         f"equilibrium field of {name}",
         {
             **attributes,
-            "units": units_of(measurement),
             **kind,
+            **_ending(found),
+            "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
-            "displacement_misfit": float(history[-1]),
-            "force_misfit": found.force_misfit,
-            "homogeneous_force_misfit": problem.force_misfit.tolist(),
+            "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
     )
+
+
+def _posterior(found, settings: Constrained) -> dict:
+    """Variables of the posterior samples, by parameter of the basis."""
+    deflation = found.step and found.step.deflation
+    samples = found.objective.posterior_samples(
+        found.linear, found.params, settings.posterior_samples, settings.seed, deflation
+    )
+    samples = np.moveaxis(samples, -1, 0)[..., found.problem.refinement.subcells.T]
+    dims = ("posterior_sample", "subcell", "cell")
+    return {f"posterior.{key}": (dims, samples[k]) for k, key in enumerate(found.problem.basis.names)}
+
+
+def _ending(found) -> dict:
+    """How the descent to the field ended, as attributes."""
+    ending = {"ending": str(found.ending), "misfits": json.dumps(found.misfits)}
+    if found.step is not None:
+        ending |= {"gradient_norm": found.step.gradient_norm, "cg_residual": found.step.cg_residual}
+    return ending

@@ -1,25 +1,18 @@
 """Stage 6: a hyper-network that gives the homogenised parameters everywhere."""
 
-import jax.numpy as jnp
-
 from hypernode.config.methods import Method
-from hypernode.training.loop import minimise
-from hypernode.training.problem import InverseProblem
+from hypernode.stages.hypernetwork_files import open_problem, save
+from hypernode.training.hypernetwork import initialise
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
-    """Begin with the homogenised parameters as the last layer's bias, then fit what little is left.
+    """Train the hyper-network of one case and write it.
 
     Args:
-        files: paths, see :meth:`InverseProblem.load`.
+        files: paths of the earlier stages' files, see :class:`~hypernode.training.problem.InverseProblem`.
+
+    Raises:
+        DivergenceError: the loss is no longer finite.
     """
-    problem = InverseProblem.load(method, name, files)
-    params, apply = problem.trainable()
-
-    def loss(params, key):
-        return jnp.mean((apply(params)(problem.X) - problem.centre) ** 2)
-
-    params, *history = minimise(
-        loss, params, method.initialisation, stage="initialisation", case=name, seed=method.seed
-    )
-    problem.save(output, apply(params), history, "initialised hyper-network", attributes)
+    problem = open_problem(method, name, files)
+    save(problem, initialise(problem), "initialised hyper-network", files, output, attributes)

@@ -6,32 +6,21 @@ from hypernode.config.model import Config
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.storage.netcdf import read, units_of, write
-from hypernode.synthetic.camera import seen_by
+from hypernode.synthetic.camera import observed_by, with_noise
 
 
 def run(config: Config, name: str, forward_file: str, output: str, attributes: dict) -> None:
-    """Sample the nodal displacements on the camera's grid and add normally distributed noise.
-
-    Every repeat draws from its own stream, seeded by (seed, repeat), so that adding a repeat leaves
-    the others as they were.
-    """
-    forward = read(forward_file)
-    case = config.cases[name]
+    """Sample the nodal displacements on the camera's grid and add noise."""
+    forward, case = read(forward_file), config.cases[name]
     noise = config.noise[case.noise] if case.noise else None
     mesh, u = mesh_of(forward), forward["u"].values
     if case.camera:
-        mesh, u = seen_by(case.camera, mesh, u)
-    repeats = noise.repeats if noise else 1
-    measured = np.repeat(u[None], repeats, axis=0)
-    if noise and noise.sigma > 0:
-        for repeat in range(repeats):
-            rng = np.random.default_rng(np.random.SeedSequence([noise.seed, repeat]))
-            measured[repeat] += rng.normal(0.0, noise.sigma, u.shape)
+        mesh, u = observed_by(case.camera, mesh, u)
     copied = ("corners", "load_case", "stretch", "H", "edge_force", "edge_constrained")
     variables = {key: forward[key].values for key in copied}
     variables["relaxation"] = np.ones(len(forward["load_case"]))
     variables |= {"X": mesh.nodes, "cells": mesh.cells}
-    variables |= {"u_measured": measured, "u_truth": u, "F_truth": deformation_gradient(mesh, u)}
+    variables |= {"u_measured": with_noise(u, noise), "u_truth": u, "F_truth": deformation_gradient(mesh, u)}
     carried = {key: forward.attrs[key] for key in ("load_cases", "thickness")}
     write(
         output,

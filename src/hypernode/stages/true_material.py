@@ -5,7 +5,7 @@ import numpy as np
 from hypernode.config.model import Config
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, sha256, write
 from hypernode.synthetic.geometry import make_shape
-from hypernode.synthetic.sheet import PHASES, cell_parameters, make_mesh
+from hypernode.synthetic.sheet import PHASES, cell_parameters, make_mesh, phase_shares
 
 
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
@@ -15,15 +15,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     shapes = {key: make_shape(geometry) for key, geometry in config.geometries.items()}
     mesh = make_mesh(case, shapes[case.hole] if case.hole else None)
     X = (mesh.centres - mesh.lower) / mesh.size
-    drawn = [(case.geometry, case.inclusion)] if case.inclusion else []
-    drawn += [(layer.geometry, layer.material) for layer in case.layers]
-    shares, names = np.ones((1, len(X))), [case.matrix]
-    for geometry, material in drawn:
-        weight = shapes[geometry](X)
-        if not weight.any():
-            raise ValueError(f"the geometry '{geometry}' holds no cell's centre: make it larger, or cells smaller")
-        shares = np.concatenate([shares * (1.0 - weight), weight[None]])
-        names.append(material)
+    shares, names = phase_shares(case, shapes, X)
     models, values = cell_parameters(shares, [config.materials[key] for key in names])
     variables = {
         "X": mesh.nodes,

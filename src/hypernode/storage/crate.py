@@ -14,22 +14,14 @@ from hypernode.storage.records import CRATE, read_record
 
 #: Where in a results folder the rules and scripts that made it are kept, as they were.
 DEFINITION = "definition"
-
-
 MAIN_WORKFLOW = f"{DEFINITION}/Snakefile"
-
-
 #: Version of RO-Crate that the profiles below build on.
 VERSION = "1.1"
-
-
 PROFILES = (
     "https://w3id.org/ro/wfrun/process/0.5",
     "https://w3id.org/ro/wfrun/workflow/0.5",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
 )
-
-
 FORMATS = {".nc": "application/netcdf", ".pdf": "application/pdf", ".png": "image/png", ".csv": "text/csv"}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from hypernode.storage.records import StorageError, check_digest, make_record, record_of, sha256
-from hypernode.storage.schema import VARIABLES
+from hypernode.storage.schema import SCHEMA_VERSION, VARIABLES
 
 #: Units of a synthetic test: a unit square of unit thickness.
 SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
@@ -77,6 +77,7 @@ def write(
         "Conventions": "CF-1.11",
         "title": title,
         "source": "hypernode",
+        "schema_version": SCHEMA_VERSION,
         "history": f"written by the rule {attributes.get('rule', '(none)')}",
         "references": "arXiv: Fully data-driven inverse hyperelasticity with hyper-network neural ODE fields",
         # Relative to the file, so that a results folder can be moved and read from anywhere.
@@ -177,6 +178,12 @@ def read(path: str | Path) -> xr.Dataset:
         raise
     except (OSError, RuntimeError, ValueError, KeyError) as error:
         raise StorageError(f"{path}: damaged or not a NetCDF file: {error}") from error
+    version = dataset.attrs.get("schema_version", 1)
+    if version != SCHEMA_VERSION:
+        raise StorageError(
+            f"{path}: was written with version {version} of the file schema, and this program reads version "
+            f"{SCHEMA_VERSION}: delete the results and run again, or use the program that wrote them"
+        )
     check_schema(dataset, str(path))
     for parent, digest in json.loads(dataset.attrs.get("parents", "{}")).items():
         location = path.parent / parent

@@ -1,17 +1,17 @@
-"""Stage 2: what cameras and load cell would record of a synthetic test."""
+"""What cameras would record of a synthetic test: their own grid, the average over a window, noise."""
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import uniform_filter1d
 
-from hypernode.config.synthetic import Camera
+from hypernode.config.synthetic import Camera, Noise
 from hypernode.fem.mesh import Mesh, rectilinear
 
 #: Points a measured cell at which the displacement is averaged.
 FINE = 16
 
 
-def seen_by(camera: Camera, mesh: Mesh, u):
+def observed_by(camera: Camera, mesh: Mesh, u):
     """The displacement on the camera's own grid: averaged over its window, then sampled.
 
     Args:
@@ -25,13 +25,13 @@ def seen_by(camera: Camera, mesh: Mesh, u):
     fine = [np.linspace(line[0], line[-1], FINE * n + 1) for line, n in zip((x, y), camera.cells, strict=True)]
     lines = [line[::FINE] for line in fine]
     widths = [max(1, round(camera.window / (line[1] - line[0]))) for line in fine]
-    seen = np.empty((len(u), len(lines[1]) * len(lines[0]), 2))
+    observed = np.empty((len(u), len(lines[1]) * len(lines[0]), 2))
     for step, field in enumerate(u):
         for i in range(2):
             values = RectBivariateSpline(y, x, field[:, i].reshape(len(y), len(x)), kx=1, ky=1)
             rows = _averaged(values(fine[1], fine[0]), widths[1], 0)[::FINE]
-            seen[step, :, i] = _averaged(rows, widths[0], 1)[:, ::FINE].ravel()
-    return rectilinear(*lines), seen
+            observed[step, :, i] = _averaged(rows, widths[0], 1)[:, ::FINE].ravel()
+    return rectilinear(*lines), observed
 
 
 def _averaged(values, width: int, axis: int):
@@ -43,3 +43,21 @@ def _averaged(values, width: int, axis: int):
     padded = np.pad(values, padding, mode="reflect", reflect_type="odd")
     cut = [slice(half, -half) if k == axis else slice(None) for k in range(2)]
     return uniform_filter1d(padded, 2 * half + 1, axis=axis)[tuple(cut)]
+
+
+def with_noise(u, noise: Noise | None) -> np.ndarray:
+    """Repeats of a measurement (repeat, ...), each with normally distributed noise of its own.
+
+    Every repeat has its own stream, seeded by (seed, repeat), so that adding a repeat leaves the others as they were.
+
+    Args:
+        u: displacement without noise.
+        noise: level, repeats and seed; one exact measurement without it.
+    """
+    repeats = noise.repeats if noise else 1
+    measured = np.repeat(u[None], repeats, axis=0)
+    if noise and noise.sigma > 0:
+        for repeat in range(repeats):
+            rng = np.random.default_rng(np.random.SeedSequence([noise.seed, repeat]))
+            measured[repeat] += rng.normal(0.0, noise.sigma, u.shape)
+    return measured

@@ -1,4 +1,6 @@
-"""Stage 0: the sheet of a synthetic test, its mesh and the material of every cell."""
+"""The sheet of a synthetic test: its mesh and the material of every cell."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -59,3 +61,25 @@ def cell_parameters(shares, phases):
             total += part * (np.deg2rad(value) if name == "fibre_angle" else value)
         values[name] = total
     return models, values
+
+
+def phase_shares(case: Case, shapes: Mapping[str, Shape], X) -> tuple[np.ndarray, list[str]]:
+    """(share of each phase in each cell (phase, cell), names of their materials), the matrix first.
+
+    Args:
+        shapes: by the name of a geometry.
+        X: cell centres in the unit square (cell, 2).
+
+    Raises:
+        ValueError: a geometry holds no cell's centre.
+    """
+    drawn = [(case.geometry, case.inclusion)] if case.inclusion else []
+    drawn += [(layer.geometry, layer.material) for layer in case.layers]
+    shares, names = np.ones((1, len(X))), [case.matrix]
+    for geometry, material in drawn:
+        weight = shapes[geometry](X)
+        if not weight.any():
+            raise ValueError(f"the geometry '{geometry}' holds no cell's centre: make it larger, or cells smaller")
+        shares = np.concatenate([shares * (1.0 - weight), weight[None]])
+        names.append(material)
+    return shares, names

@@ -1,5 +1,74 @@
-"""Stage 5: one set of neural-ODE parameters for the whole sheet."""
+"""One set of neural-ODE parameters for the whole sheet."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.config.methods import Method
+from hypernode.data.loading import Loading
+from hypernode.fem.gradient import mean_gradient
+from hypernode.fem.mesh import Mesh
+from hypernode.material.laws import node_stress
+from hypernode.material.node_material import NodeMaterial
+from hypernode.mechanics.kinematics import invariants
+from hypernode.training.loop import Fit, data_as_arguments, minimise
 
 #: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
 #: homogenised fit has more parameters than data; this picks the plainest of the many that fit.
 RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-6
+
+
+class Homogenised(NamedTuple):
+    """The homogenised material.
+
+    Attributes:
+        node: the neural-ODE material, with its units.
+        fit: its parameters (parameter,) and the losses.
+        P: its stress at the mean deformation of every step (step, 2, 2).
+    """
+
+    node: NodeMaterial
+    fit: Fit
+    P: np.ndarray
+
+
+def fit_homogenised(
+    method: Method, name: str, mesh: Mesh, loading: Loading, F: Float[np.ndarray, "2 2 step cell"]
+) -> Homogenised:
+    """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
+
+    Components whose resultant is not measured and that are not free carry no data. The stress unit
+    and the invariant unit of the networks are set here, from the largest load step.
+    """
+    mean_F = jnp.asarray(mean_gradient(mesh, F), jnp.float32)
+    largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
+    node = NodeMaterial(
+        tuple(method.node.terms),
+        tuple(method.node.hidden),
+        method.node.rk4_steps,
+        invariant_scale=largest,
+        stress_scale=float(loading.scale.max()),
+        share=method.node.share,
+        scaled=method.node.scaled,
+        potential=method.node.potential,
+    )
+    fitted = node.with_units_as_data()
+    start = node.initial_params(jax.random.key(method.seed))
+    target = jnp.asarray(loading.P_average, jnp.float32)
+    known = jnp.asarray(loading.measured, jnp.float32)
+    scale = jnp.asarray(loading.scale, jnp.float32)[:, None, None]
+
+    def predicted(params):
+        return jnp.moveaxis(node_stress(fitted, mean_F, params[:, None])[..., 0], -1, 0)
+
+    def loss(params, key):
+        ode, _, constants, _ = node.split(params)
+        ridge = RIDGE_WEIGHTS * jnp.sum(ode**2) + RIDGE_CONSTANTS * jnp.sum((constants - node.split(start)[2]) ** 2)
+        return jnp.mean(known * ((predicted(params) - target) / scale) ** 2) + ridge
+
+    fit = minimise(loss, start, method.homogenised, stage="homogenised NODE", case=name, seed=method.seed)
+    evaluate, data = data_as_arguments(predicted, fit.params)
+    return Homogenised(node, fit, np.asarray(jax.jit(evaluate)(data, fit.params)))

@@ -1,6 +1,7 @@
 """The one training loop: every stage that fits a network calls :func:`minimise`."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -38,9 +39,24 @@ def data_as_arguments(function: Callable, *arguments):
     return evaluate, traced.consts
 
 
-def minimise(
-    loss: Callable, params, settings, *, stage: str, case: str, seed: int
-) -> tuple[object, np.ndarray, np.ndarray]:
+class Fit(NamedTuple):
+    """Where a training ended.
+
+    Attributes:
+        params: trained parameters, or the network that they make.
+        losses, iterations: recorded loss, and the iteration of each record.
+    """
+
+    params: object
+    losses: np.ndarray
+    iterations: np.ndarray
+
+    def of(self, apply: Callable) -> "Fit":
+        """The same with the network that the parameters make."""
+        return self._replace(params=apply(self.params))
+
+
+def minimise(loss: Callable, params, settings, *, stage: str, case: str, seed: int) -> Fit:
     """Minimise ``loss(params, key)`` by stochastic gradients.
 
     Args:
@@ -50,16 +66,13 @@ def minimise(
         stage, case: named in progress lines and errors.
         seed: seed of the keys.
 
-    Returns:
-        (params, recorded loss, iteration of each record).
-
     Raises:
         DivergenceError: the loss is no longer finite.
     """
     iterations = settings.iterations
     if iterations == 0:
         value = float(jax.jit(loss)(params, jax.random.key(seed)))
-        return params, np.array([value], np.float32), np.array([0])
+        return Fit(params, np.array([value], np.float32), np.array([0]))
     optimiser = make_optimiser(settings.algorithm, settings.learning_rate, iterations)
     length = min(CHUNK, iterations)
     evaluate, data = data_as_arguments(loss, params, jax.random.key(seed))
@@ -93,4 +106,4 @@ def minimise(
         losses.append(values)
         steps.append(np.arange(start, start + length))
         progress.advance(length, loss=float(values[-1]))
-    return params, np.concatenate(losses), np.concatenate(steps)
+    return Fit(params, np.concatenate(losses), np.concatenate(steps))

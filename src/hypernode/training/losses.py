@@ -1,4 +1,4 @@
-"""Stage 8: the material under which the measured deformation is in equilibrium with the forces."""
+"""What training of the hyper-network minimises: equilibrium of the stress, edge forces, variation."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,12 +10,12 @@ import numpy as np
 from hypernode.config.methods import Training
 from hypernode.fem.gradient import mean_gradient
 from hypernode.fem.nodal_forces import nodal_force_matrices
-from hypernode.identification.regulariser import SMALLEST_JUMP
 from hypernode.material.laws import node_stress
-from hypernode.storage.netcdf import read
 from hypernode.training.interpolant import InterpolatedGradient
 from hypernode.training.problem import InverseProblem
 
+#: Relative jumps of the stress below this size are smoothed rather than counted, as those of a constrained field.
+SMALLEST_JUMP = 0.02
 #: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
 DEFAULT_POINTS = 250
 
@@ -137,7 +137,7 @@ def autodiff(
     """
     X = jnp.asarray(problem.mesh.centres, jnp.float32)
     unit = jnp.eye(2)
-    interpolated = InterpolatedGradient(read(problem.files["field"]))
+    interpolated = InterpolatedGradient(problem.inputs["field"])
     dF = jnp.stack([jax.jvp(interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
     cells = len(X)
     count = min(settings.points or DEFAULT_POINTS, cells)

@@ -1,4 +1,4 @@
-"""What the three hyper-network stages share: data on the grid, the network, its file."""
+"""What the three stages that train the hyper-network share: data on the grid, the network, its target."""
 
 import dataclasses
 import functools
@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import jax
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
 
 from hypernode.config.methods import Frequencies, Method
 from hypernode.data.loading import Loading
@@ -16,78 +17,80 @@ from hypernode.fem.equilibrium_gap import EquilibriumGap
 from hypernode.fem.mesh import Mesh
 from hypernode.material.basis_file import basis_field
 from hypernode.material.laws import mean_of_subcells
+from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.modes import mode_gradients
 from hypernode.networks.fourier_mlp import FourierMLP
-from hypernode.networks.node_material import NodeMaterial
-from hypernode.networks.weights import from_arrays, make_network, split_trainable, to_arrays
-from hypernode.storage.netcdf import read, units_of, write
+from hypernode.networks.weights import from_arrays, make_network, split_trainable
 from hypernode.training.targets import Target
 
 #: Sizes of the homogeneous modes that pre-training learns, as shares of the largest stretch of the test.
 MODE_SIZES = np.array([0.08, 0.5, 1.0])
-
-
 #: Factor on the random kernel of a new network's last layer: small, so that the start is nearly homogeneous,
 #: and not zero, so that gradients reach the layers below.
 LAST_KERNEL = 0.01
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(frozen=True)
 class InverseProblem:
-    """The measured grid with the interpolated F on it, and a hyper-network to be trained.
+    """The measured grid with the deformation on it, and a hyper-network to be trained.
 
     Attributes:
-        mesh: the measured grid; ``X`` are its cell centres scaled to the longest side (cell, 2).
-        F: deformation gradient at the centres [i, J, step, cell]; ``variance`` is how uncertain it is in a cell, over
-            the mean.
-        gaps: one equilibrium measure a test.
-        spec: fields of the neural-ODE material.
-        centre: homogenised parameters, about which the prior is centred.
+        name: case, for progress and messages.
+        method: architecture, optimisers and weights.
+        inputs: opened files of the earlier stages, without any truth: ``measurement``, ``field`` (interpolant or
+            gradient), ``homogenised``, and where there are such ``constrained`` and ``previous``, the hyper-network to
+            go on from.
     """
 
     name: str
-    mesh: Mesh
-    X: jax.Array
-    F: jax.Array
-    variance: np.ndarray
-    loading: Loading
-    spec: dict
-    centre: jax.Array
-    length: float
-    units: dict
-    hypernetwork: str
-    seed: int
-    stretch: float
-    files: Mapping[str, str]
+    method: Method
+    inputs: Mapping[str, xr.Dataset]
 
-    @classmethod
-    def load(cls, method: Method, name: str, files: Mapping[str, str]):
-        """Assemble from the files of the earlier stages.
+    @functools.cached_property
+    def mesh(self) -> Mesh:
+        """The measured grid."""
+        return mesh_of(self.inputs["measurement"])
 
-        Args:
-            files: ``measurement``, ``field`` (interpolant or gradient), ``homogenised``, and where the
-                method has one ``constrained``.
-        """
-        measurement, homogenised, field = (read(files[key]) for key in ("measurement", "homogenised", "field"))
-        mesh = mesh_of(measurement)
-        length = float(mesh.size.max())
-        spec = {k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(homogenised.attrs["node"]).items()}
-        return cls(
-            name,
-            mesh,
-            jnp.asarray((mesh.centres - mesh.lower) / length, jnp.float32),
-            jnp.asarray(field_gradient(field), jnp.float32),
-            field["gradient_variance"].values,
-            Loading.of(measurement),
-            spec,
-            jnp.asarray(homogenised["node_params"].values, jnp.float32),
-            length,
-            units_of(measurement),
-            method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields)),
-            method.seed,
-            float(measurement["stretch"].values.max()),
-            files,
-        )
+    @functools.cached_property
+    def loading(self) -> Loading:
+        """What is known about the loading of every step."""
+        return Loading.of(self.inputs["measurement"])
+
+    @property
+    def length(self) -> float:
+        """Longest side of the sheet: the unit of the networks' positions."""
+        return float(self.mesh.size.max())
+
+    @functools.cached_property
+    def X(self) -> jax.Array:
+        """Cell centres scaled to the longest side (cell, 2)."""
+        return jnp.asarray((self.mesh.centres - self.mesh.lower) / self.length, jnp.float32)
+
+    @functools.cached_property
+    def F(self) -> jax.Array:
+        """Deformation gradient at the centres [i, J, step, cell]."""
+        return jnp.asarray(field_gradient(self.inputs["field"]), jnp.float32)
+
+    @property
+    def variance(self) -> np.ndarray:
+        """How uncertain F is in a cell, over the mean (cell,)."""
+        return self.inputs["field"]["gradient_variance"].values
+
+    @functools.cached_property
+    def spec(self) -> dict:
+        """Fields of the neural-ODE material."""
+        stored = json.loads(self.inputs["homogenised"].attrs["node"])
+        return {k: tuple(v) if isinstance(v, list) else v for k, v in stored.items()}
+
+    @functools.cached_property
+    def centre(self) -> jax.Array:
+        """Homogenised parameters, about which the prior is centred."""
+        return jnp.asarray(self.inputs["homogenised"]["node_params"].values, jnp.float32)
+
+    @property
+    def hypernetwork(self) -> str:
+        """Architecture of the hyper-network, as a file holds it."""
+        return self.method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields))
 
     @functools.cached_property
     def node(self) -> NodeMaterial:
@@ -106,19 +109,19 @@ class InverseProblem:
 
     def _new_network(self) -> FourierMLP:
         """A hyper-network with random weights that gives nearly the homogenised parameters everywhere."""
-        network = make_network(*self._architecture, self.seed + 1)
+        network = make_network(*self._architecture, self.method.seed + 1)
         last = network.layers[-1]
         last.bias[...] = self.centre
         last.kernel[...] = LAST_KERNEL * last.kernel[...]
         return network
 
     def trainable(self):
-        """(params, params -> network) of what an earlier stage left, ``files["previous"]``, or else of a new one."""
-        if "previous" in self.files:
-            return split_trainable(from_arrays(*self._architecture, read(self.files["previous"]), "hypernetwork"))
+        """(params, params -> network) of what an earlier stage left, ``previous``, or else of a new one."""
+        if "previous" in self.inputs:
+            return split_trainable(from_arrays(*self._architecture, self.inputs["previous"], "hypernetwork"))
         return split_trainable(self._new_network())
 
-    def target(self) -> "Target":
+    def target(self) -> Target:
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.
 
         The constrained field also says what cells would do under deformations that they have not
@@ -127,12 +130,13 @@ class InverseProblem:
         coarse steps of a neural ODE may leave a spike that stops Newton's method.
         """
         scale = self.loading.scale[:, None]
-        if "constrained" not in self.files:
+        if "constrained" not in self.inputs:
             P = np.moveaxis(self.loading.P_average, 0, -1)[..., None] / scale
             P = np.broadcast_to(P, self.F.shape)
             return Target(self.F, jnp.asarray(P, jnp.float32), jnp.asarray(self.loading.target_weight), self.scale)
-        basis, params = basis_field(read(self.files["constrained"]))
-        modes = mode_gradients(1.0 + (self.stretch - 1.0) * MODE_SIZES).reshape(-1, 2, 2)
+        basis, params = basis_field(self.inputs["constrained"])
+        largest = float(self.inputs["measurement"]["stretch"].values.max())
+        modes = mode_gradients(1.0 + (largest - 1.0) * MODE_SIZES).reshape(-1, 2, 2)
         modes = jnp.asarray(np.moveaxis(modes, 0, -1)[..., None], jnp.float32)
         cells = self.F.shape[-1]
         F = jnp.concatenate([self.F, jnp.broadcast_to(modes, (*modes.shape[:3], cells))], axis=2)
@@ -142,7 +146,7 @@ class InverseProblem:
         return Target(F, P / scale[:, None], jnp.ones((2, 2, 1, 1)), scale)
 
     def gaps(self):
-        """(steps, :class:`EquilibriumGap`) of each test."""
+        """(steps, :class:`EquilibriumGap`) of each load case."""
         loading = self.loading
         return [
             (
@@ -151,28 +155,3 @@ class InverseProblem:
             )
             for k in range(loading.load_case.max() + 1)
         ]
-
-    def save(self, output, network, history, title, attributes) -> None:
-        """Write the network with everything :func:`hypernode.load_material` needs."""
-        losses, iterations = history
-        write(
-            output,
-            {
-                **to_arrays(network, "hypernetwork"),
-                "X": self.mesh.nodes,
-                "cells": self.mesh.cells,
-                "corners": np.stack([self.mesh.lower, self.mesh.upper]),
-                "loss": losses,
-                "loss_iteration": iterations,
-            },
-            f"{title} of {self.name}",
-            {
-                **attributes,
-                "units": self.units,
-                "material_kind": "node",
-                "node": json.dumps(self.spec),
-                "hypernetwork": self.hypernetwork,
-                "length_scale": self.length,
-            },
-            parents=list(self.files.values()),
-        )

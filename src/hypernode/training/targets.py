@@ -1,4 +1,4 @@
-"""What the three hyper-network stages share: data on the grid, the network, its file."""
+"""Stresses that a network learns before equilibrium is asked for."""
 
 import dataclasses
 
@@ -8,10 +8,10 @@ import numpy as np
 from jaxtyping import Int
 
 from hypernode.material.laws import node_stress
-from hypernode.networks.node_material import NodeMaterial
+from hypernode.material.node_material import NodeMaterial
 
 
-@dataclasses.dataclass
+@dataclasses.dataclass(frozen=True)
 class Target:
     """Stresses to be learnt before equilibrium is asked for.
 

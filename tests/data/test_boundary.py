@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from hypernode.data.boundary import prescribed_displacement, roughness, smoothed
 from hypernode.fem.mesh import rectilinear
-from hypernode.identification.boundary import prescribed_displacement, roughness, smoothed
 
 NOISE = 1e-3
 X = np.linspace(0.0, 1.0, 41) ** 1.2

@@ -1,4 +1,4 @@
-"""What noisy measurements say of the displacement of held edges, and how wrong that may be.
+"""What noisy measurements say of the displacement of prescribed edges, and how wrong that may be.
 
 The displacement of an edge is smooth, so that its measured values are smoothed; but the sheet follows what is left of
 their noise as a whole. A rigid edge of 50 nodes is known to a fifth of the noise of one of them, and an error of that
@@ -17,8 +17,6 @@ from hypernode.fem.mesh import EDGES, Mesh
 
 #: Bounds of the roughness's weight, over those at which the smoothest and the roughest mode are halved.
 WEIGHTS = 1e-4, 1e4
-
-
 #: Errors of a mode that are below this share of the noise are left out.
 SMALLEST_ERROR = 0.1
 
@@ -28,7 +26,7 @@ class PrescribedDisplacement:
     """Prescribed displacements of one load step.
 
     Attributes:
-        mask: which components of which nodes are held.
+        mask: which components of which nodes are prescribed.
         values: their displacement, 0 elsewhere.
         errors: matrix (degree of freedom, mode), by which independent standard normal numbers become the errors of
             ``values``.
@@ -81,11 +79,11 @@ def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"]
         return values, errors[:, errors.any(axis=0)]
     bending, modes = _modes(tuple(x))
     amounts = modes.T @ values
-    bent, seen = bending[2:], (amounts[2:] / noise) ** 2
+    bent, observed = bending[2:], (amounts[2:] / noise) ** 2
 
     def unlikely(log_weight):
         signal = 1.0 + 1.0 / (np.exp(log_weight) * bent)
-        return np.sum(np.log(signal) + seen / signal)
+        return np.sum(np.log(signal) + observed / signal)
 
     bounds = np.log([WEIGHTS[0] / bent[-1], WEIGHTS[1] / bent[0]])
     # The likelihood may have more than one peak: the highest on a grid, then its top.
@@ -99,21 +97,21 @@ def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"]
 
 
 def prescribed_displacement(
-    mesh: Mesh, u: Float[np.ndarray, "node 2"], held: Float[np.ndarray, "edge 2"], noise: float
+    mesh: Mesh, u: Float[np.ndarray, "node 2"], prescribed: Float[np.ndarray, "edge 2"], noise: float
 ) -> PrescribedDisplacement:
-    """Prescribed displacements: the measured ones on every held edge, smoothed along it.
+    """Prescribed displacements: the measured ones on every prescribed edge, smoothed along it.
 
-    Where two held edges meet, their mean.
+    Where two prescribed edges meet, their mean.
 
     Args:
-        held: which components of which edges are held.
+        prescribed: which components of which edges are prescribed.
         noise: standard deviation of ``u``.
     """
     total, count, errors = np.zeros_like(u), np.zeros_like(u), []
     for index, (edge, (axis, _)) in enumerate(EDGES.items()):
         on = np.flatnonzero(mesh.on_edge(edge))
         on = on[np.argsort(mesh.nodes[on, 1 - axis])]
-        for i in np.flatnonzero(held[index]):
+        for i in np.flatnonzero(prescribed[index]):
             values, modes = smoothed(mesh.nodes[on, 1 - axis], u[on, i], noise)
             total[on, i] += values
             count[on, i] += 1

@@ -1,0 +1,83 @@
+"""Equilibrium of every load step of a test for a field of convex-basis parameters."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.fem.factors import factorise
+from hypernode.fem.mesh import Mesh
+from hypernode.fem.solver import EquilibriumSolver
+from hypernode.identification.observations import Boundary
+from hypernode.mechanics.convex_basis import ConvexBasis
+
+
+@dataclass(frozen=True)
+class State:
+    """Equilibrium of one load step for one material field.
+
+    Attributes:
+        u: displacement (node, 2).
+        force: nodal forces (degree of freedom,).
+        free: degrees of freedom that are not prescribed.
+    """
+
+    u: np.ndarray
+    force: np.ndarray
+    free: np.ndarray
+
+
+class FieldEquilibrium:
+    """Finite elements of one sheet whose boundary moves as it was measured.
+
+    Args:
+        tolerance: relative residual at which a state counts as equilibrium.
+    """
+
+    def __init__(self, mesh: Mesh, basis: ConvexBasis, boundaries: tuple[Boundary, ...], tolerance: float):
+        self.mesh, self.boundaries, self._tolerance = mesh, boundaries, tolerance
+        self._solver = EquilibriumSolver(
+            mesh,
+            lambda F, p: basis.stress(F, p["params"]),
+            {"params": np.tile(basis.start, (len(mesh.cells), 1))},
+        )
+
+    @property
+    def shape_gradients(self):
+        """(dN_a/dX_J (cell, quad, 4, 2), quadrature weights (cell, quad))."""
+        return self._solver.shape_gradients
+
+    def states(self, params: Float[np.ndarray, "cell parameter"], guesses, factors=None) -> list[State] | None:
+        """Equilibrium of every load step, or None where Newton's method fails for one.
+
+        Args:
+            guesses: displacement of every step to begin from.
+            factors: factors of the free tangents of states near by.
+        """
+        self._solver.set_parameters({"params": params})
+        found = []
+        each = zip(guesses, self.boundaries, factors or [None] * len(guesses), strict=True)
+        for guess, boundary, factor in each:
+            reached = self._solver.newton(guess, boundary.prescribed, self._tolerance, factor)
+            if reached.u is None:
+                return None
+            found.append(State(reached.u, reached.force, boundary.free))
+        return found
+
+    def extension(self, params: Float[np.ndarray, "cell parameter"]) -> list[np.ndarray]:
+        """First guesses: the prescribed displacements continued into the sheet by linear elasticity."""
+        K = next(self.tangents(params, [np.zeros_like(self.mesh.nodes)]))
+        guesses = []
+        for boundary in self.boundaries:
+            free = boundary.free
+            u = np.where(boundary.mask, boundary.values, 0.0).ravel()
+            u[free] = -factorise(K[free][:, free]).solve((K @ u)[free])
+            guesses.append(u.reshape(-1, 2))
+        return guesses
+
+    def tangents(self, params: Float[np.ndarray, "cell parameter"], displacements) -> Iterator:
+        """Tangent stiffness (degree of freedom, degree of freedom) in each of the given states, one after the other."""
+        for u in displacements:
+            self._solver.set_parameters({"params": params})
+            yield self._solver.tangent(u)[1]

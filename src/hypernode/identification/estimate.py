@@ -1,0 +1,107 @@
+"""A material field that a descent left: how well it explains the test, and how the descent ended."""
+
+import dataclasses
+import enum
+
+import numpy as np
+
+from hypernode.identification.objective import Objective, Step
+from hypernode.identification.problem import FieldProblem
+from hypernode.identification.sensitivities import Jacobian
+
+
+class Ending(enum.StrEnum):
+    """How a descent ended; without equilibrium at its start there is no field, but an error."""
+
+    #: The data are explained, and one more step would change the cost by less than its tolerance.
+    CONVERGED = "converged"
+    #: No step lowers the cost any more, or the misfit hardly falls, before the data are explained to the tolerance.
+    STAGNATED = "stagnated"
+    #: It was still descending.
+    OUT_OF_ITERATIONS = "out of iterations"
+    #: No descent led here: parameters that another one may begin at.
+    UNFINISHED = "unfinished"
+
+
+@dataclasses.dataclass(frozen=True)
+class Estimate:
+    """Where a descent ended.
+
+    Attributes:
+        objective: what was minimised.
+        linear: sensitivities at the last linearisation; they know what residuals share.
+        params: parameters (cell, parameter).
+        states: equilibrium of every load step.
+        history: displacement misfit in units of its noise after every step, that of the start first.
+        cost: the whole objective, minus the logarithm of how probable the field is after the test.
+        ending: how the descent ended.
+        step: the last Gauss-Newton step that was tried, or None where none was.
+    """
+
+    objective: Objective
+    linear: Jacobian | None
+    params: np.ndarray
+    states: list
+    history: np.ndarray
+    cost: float
+    ending: Ending
+    step: Step | None
+
+    @property
+    def problem(self) -> FieldProblem:
+        """The test, and the equilibrium that ties a field to it."""
+        return self.objective.problem
+
+    @property
+    def misfits(self) -> dict[str, float]:
+        """Root mean square misfits by name, in units of their uncertainty."""
+        forces = self.objective.force_misfit(self.states, self.linear)
+        return {"displacement": float(self.history[-1]), "force": forces}
+
+    @property
+    def summary(self) -> str:
+        """Misfits, gradient norm and residual of the conjugate gradients in words."""
+        numbers = [f"{key} misfit {value:.3g}" for key, value in self.misfits.items()]
+        if self.step is not None:
+            numbers += [f"gradient norm {self.step.gradient_norm:.3g}", f"CG residual {self.step.cg_residual:.2g}"]
+        return ", ".join(numbers)
+
+    @property
+    def unexplained(self) -> float:
+        """The larger of the two misfits over what is still taken to be explained: beyond one, it is not."""
+        strategy, misfits = self.problem.strategy, self.misfits
+        return max(misfits["displacement"] / strategy.unexplained, misfits["force"] / strategy.forces_unexplained)
+
+    @property
+    def data_share(self) -> float:
+        """Share of the cost that misfits make up: all that further terms could take away."""
+        return self.objective.misfits(self.states, self.problem.sigma, self.linear) / self.cost
+
+    @property
+    def excess(self) -> float:
+        """How much more of noisy displacements is left than their noise, in standard deviations of that by chance."""
+        return 2.0 * np.sqrt(self.problem.cost_of_noise) * (self.history[-1] - 1.0) if self.problem.noisy else 0.0
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
+        return self.unexplained > 1.0 or self.excess > self.problem.strategy.by_chance
+
+    @property
+    def underfitted(self) -> bool:
+        """Whether no field of these terms explains the test, as far as this one tells."""
+        strategy = self.problem.strategy
+        much = self.excess > strategy.never_by_chance if self.problem.noisy else self.data_share > strategy.much_left
+        return self.unexplained > 1.0 or much
+
+    def at(self, params) -> "Estimate | None":
+        """The same test with other parameters, or None where they have no equilibrium within reach."""
+        states = self.problem.equilibrium.states(params, [state.u for state in self.states])
+        if states is None:
+            return None
+        cost = self.objective.value(params, states, self.problem.sigma, self.linear)
+        return dataclasses.replace(self, params=params, states=states, cost=cost, ending=Ending.UNFINISHED)
+
+    def after(self, *earlier: "Estimate") -> "Estimate":
+        """The same with the history of the descents that led to its start before its own."""
+        return dataclasses.replace(self, history=np.concatenate([*(each.history for each in earlier), self.history]))

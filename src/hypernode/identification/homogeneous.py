@@ -1,0 +1,98 @@
+"""The homogeneous material from which a descent begins, and how well one material of the basis follows the forces."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import least_squares
+
+from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.equilibrium import FieldEquilibrium
+from hypernode.identification.observations import Observations
+from hypernode.identification.settings import Strategy
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
+
+#: Misfits of 1 % count as one.
+PERCENT = 100.0
+#: First guess of the neo-Hookean coefficient, over the largest mean stress: that of a stretch of about a third.
+FIRST_LEVEL = 0.3
+
+
+@dataclass(frozen=True)
+class Homogeneous:
+    """One material for the whole sheet.
+
+    Attributes:
+        params: parameters of the basis (parameter,), fitted to all load cases, the plainest that do.
+        force_misfit: smallest relative misfit of each load case's mean stresses (load case,) by a fit to it alone: what
+            no material of the basis can follow is an error of the description.
+    """
+
+    params: Float[np.ndarray, " parameter"]
+    force_misfit: Float[np.ndarray, " case"]
+
+
+def fit_homogeneous(
+    observations: Observations, basis: ConvexBasis, equilibrium: FieldEquilibrium, strategy: Strategy
+) -> Homogeneous:
+    """Fit one material to the mean stresses of the mean deformation.
+
+    Where clamps bend even a homogeneous sheet, what that changes is computed and taken into account. Not where the
+    grid is cut out of a larger sheet: clamps are far.
+    """
+    loading, mean_F = observations.loading, jnp.asarray(observations.mean_F)
+    target, known = np.moveaxis(loading.P_average, 0, -1), np.moveaxis(loading.measured, 0, -1)
+    start = basis.start
+    start[0] = np.log(FIRST_LEVEL * loading.scale.max())
+
+    def relative(params, target, mean_F, scale):
+        return (basis.stress(mean_F, params[:, None]) - target) / scale
+
+    # Data are arguments, so that load cases of as many steps share what is compiled.
+    value, derivative = (
+        partial(jax.jit(function), mean_F=mean_F, scale=loading.scale) for function in (relative, jax.jacfwd(relative))
+    )
+
+    def measured(values, steps):
+        return np.asarray(values)[:, :, steps][known[:, :, steps]]
+
+    # Fibres begin above zero, where they have a gradient, but the plainest material has none.
+    plainest = np.array([0.0 if key in FIBRE_VECTOR else p for key, p in zip(basis.names, start, strict=True)])
+
+    def fit(ridge, steps, target):
+        ridges = ridge * np.eye(len(start))[1:]
+        return least_squares(
+            lambda p: np.concatenate([PERCENT * measured(value(p, target), steps), ridges @ (p - plainest)]),
+            start,
+            jac=lambda p: np.concatenate([PERCENT * measured(derivative(p, target), steps), ridges]),
+        ).x
+
+    found = fit(strategy.strong_ridge, slice(None), target)
+    clamped = loading.constrained.all(axis=2).any()
+    straight = target
+    for _ in range(strategy.bending_rounds if clamped and not observations.cut else 0):
+        bent = _bending(equilibrium, basis, found)
+        if bent is None:
+            break
+        straight = target - bent
+        found = fit(strategy.strong_ridge, slice(None), straight)
+    cases = [loading.load_case == k for k in range(loading.load_case.max() + 1)]
+    fits = [(fit(strategy.weak_ridge, steps, straight), steps) for steps in cases]
+    closest = [np.sqrt(np.mean(measured(value(params, straight), steps) ** 2)) for params, steps in fits]
+    return Homogeneous(found, np.array(closest))
+
+
+def _bending(equilibrium: FieldEquilibrium, basis: ConvexBasis, params) -> Float[np.ndarray, "2 2 step"] | None:
+    """Mean stress of a homogeneous sheet beyond that of its mean deformation, or None without equilibrium."""
+    mesh = equilibrium.mesh
+    everywhere = np.tile(params, (len(mesh.cells), 1))
+    states = equilibrium.states(everywhere, equilibrium.extension(everywhere))
+    if states is None:
+        return None
+    area = mesh.areas / mesh.areas.sum()
+    P = [np.einsum("ai,aJ->iJ", s.force.reshape(-1, 2), mesh.nodes) / mesh.areas.sum() for s in states]
+    F = np.einsum("scij,c->ijs", deformation_gradient(mesh, np.stack([s.u for s in states])), area)
+    return np.stack(P, axis=-1) - np.asarray(basis.stress(F, params[:, None]))

@@ -1,0 +1,167 @@
+"""What a test says of a sheet: which displacements are prescribed, which are observed, how noisy they are, and forces."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float
+
+from hypernode.data.boundary import prescribed_displacement
+from hypernode.data.loading import Loading
+from hypernode.data.measurement import displacement_noise, is_cut_out, mesh_of, stress_resultants
+from hypernode.fem.gradient import deformation_gradient
+from hypernode.fem.mesh import EDGE_NAMES, Mesh
+from hypernode.fem.refinement import Refinement, refine
+from hypernode.identification.camera import window_average
+from hypernode.identification.settings import Strategy
+
+#: Of weights that sum to one.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Prescribed, free and observed degrees of freedom of one load step.
+
+    Attributes:
+        mask: which components of which nodes are prescribed (node, 2), on the mesh of the subcells.
+        values: their displacement (node, 2).
+        errors: errors of these values (degree of freedom, independent standard normal number).
+        prescribed, free: their degrees of freedom, and all others.
+        observed: measured degrees of freedom that are not prescribed, on the measured grid.
+        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones.
+    """
+
+    mask: np.ndarray
+    values: np.ndarray
+    errors: np.ndarray
+    prescribed: np.ndarray
+    free: np.ndarray
+    observed: np.ndarray
+    observe: scipy.sparse.csr_matrix
+
+
+@dataclass(frozen=True)
+class EdgeForce:
+    """A measured resultant: load step, indicator of its degrees of freedom, value and its uncertainty."""
+
+    step: int
+    direction: np.ndarray
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True)
+class Observations:
+    """A measurement as an identification uses it.
+
+    Attributes:
+        grid: the measured grid; ``refinement`` divides its cells into subcells.
+        loading: what is known about the forces.
+        u: mean of the repeats (step, node, 2).
+        sigma: standard deviation of u, of noise and finite elements together.
+        noisy: whether noise is the larger of the two.
+        window: side of the camera's correlation window, 0 without one.
+        cut: whether the grid is cut out of a larger sheet.
+        largest_stretch: of the test.
+        boundaries: of every load step.
+    """
+
+    grid: Mesh
+    refinement: Refinement
+    loading: Loading
+    u: Float[np.ndarray, "step node 2"]
+    sigma: float
+    noisy: bool
+    window: float
+    cut: bool
+    largest_stretch: float
+    boundaries: tuple[Boundary, ...]
+
+    @property
+    def mean_F(self) -> Float[np.ndarray, "2 2 step"]:
+        """Mean deformation gradient of the sheet."""
+        area = self.grid.areas / self.grid.areas.sum()
+        return np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area)
+
+
+def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
+    """The observations of an opened measurement.
+
+    Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
+    displacement prescribes it all round, and no traction there is assumed to vanish.
+
+    Args:
+        subcells: rows and columns into which every measured cell is divided.
+    """
+    grid = mesh_of(measurement)
+    refinement = refine(grid, subcells)
+    u = measurement["u_measured"].values.mean(axis=0)
+    noise, window = displacement_noise(measurement), float(measurement.attrs["correlation_window"])
+    floor = strategy.same_grid_floor
+    if window > 0.0:
+        floor = strategy.subcells_floor if subcells > 1 else strategy.window_floor
+    floor *= np.abs(u).max()
+    cut = is_cut_out(measurement)
+    prescribed = measurement["edge_constrained"].values > 0
+    if cut:
+        prescribed = np.ones_like(prescribed)
+    measured = 2 * refinement.nodes[:, None] + np.arange(2)
+    seen = window_average(refinement.mesh, window)[measured.ravel()]
+    boundaries = [_boundary(refinement, grid, *each, noise, seen) for each in zip(u, prescribed, strict=True)]
+    stretch = float(measurement["stretch"].values.max())
+    sigma, noisy = float(np.hypot(noise, floor)), bool(noise >= floor)
+    return Observations(
+        grid, refinement, Loading.of(measurement), u, sigma, noisy, window, cut, stretch, tuple(boundaries)
+    )
+
+
+def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise: float, seen) -> Boundary:
+    edges = prescribed_displacement(grid, u, prescribed, noise)
+    between = refinement.interpolation
+    both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
+    mask = edges.mask.copy()
+    for i in np.flatnonzero(~mask.any(axis=0)):
+        # Where nothing prescribes a component, one corner keeps the sheet from drifting.
+        mask[np.argmin(np.abs(grid.nodes - grid.lower).sum(axis=1)), i] = True
+    observed = np.flatnonzero(~mask.ravel())
+    # A node between two that are prescribed is prescribed as well.
+    mask = between @ mask > 1.0 - ROUNDING
+    return Boundary(
+        mask,
+        between @ edges.values,
+        both @ edges.errors,
+        np.flatnonzero(mask.ravel()),
+        np.flatnonzero(~mask.ravel()),
+        observed,
+        seen[observed],
+    )
+
+
+def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
+    """Measured resultants, one a step and component; their overall balance gives the other edge.
+
+    Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
+    both resultants say something.
+
+    Args:
+        mesh: on whose nodes they act.
+        relative: uncertainty of every step's forces, over their size.
+    """
+    cut, force = is_cut_out(measurement), stress_resultants(measurement)
+    constrained = measurement["edge_constrained"].values > 0
+    largest = np.nanmax(np.abs(force), axis=(1, 2))
+    forces = []
+    for step in range(len(force)):
+        for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):
+            for edge in edges:
+                e = EDGE_NAMES.index(edge)
+                if constrained[step, e, i] and np.isfinite(force[step, e, i]):
+                    direction = np.zeros(mesh.nodes.shape)
+                    direction[mesh.on_edge(edge), i] = 1.0
+                    sigma = relative[step] * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
+                    forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
+                    if not cut:
+                        break
+    return forces

@@ -1,0 +1,169 @@
+"""Every constant of the strategy by which a field is identified, each with its reason.
+
+What a user may want to change for a test stands in the configuration (:class:`hypernode.config.methods.Constrained`);
+what is here follows from the mathematics, from finite-element errors, or from what was seen to work on many sheets.
+"""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """Where a descent ends early because other terms follow: its misfit hardly falls any more.
+
+    Attributes:
+        share, iterations: less than this share of the misfit in this many iterations, beyond the convex start.
+        above: misfit below which it goes on regardless.
+        left: share of the cost that misfits have, below which it goes on as well.
+    """
+
+    share: float
+    iterations: int
+    above: float = 0.0
+    left: float = 0.0
+
+    def reached(self, history, data_share: float, convex_iterations: int) -> bool:
+        """Whether the last misfit lies on it, which has that share of the cost."""
+        if len(history) <= convex_iterations + self.iterations or data_share < self.left:
+            return False
+        return history[-1] > max(self.above, (1.0 - self.share) * history[-1 - self.iterations])
+
+
+@dataclass(frozen=True)
+class Perturbation:
+    """What jumps cost for a few iterations, so that a descent leaves one of the many minima that noise makes.
+
+    Attributes:
+        weight, scale: factors of the regulariser's weight and of the size above which jumps stop costing more.
+        iterations: how long.
+    """
+
+    weight: float
+    scale: float
+    iterations: int
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """Constants of the identification of a constrained field."""
+
+    # Data. Displacements are never trusted beyond these shares of the largest one, noise apart: what finite elements
+    # on the measured grid make of a field that was computed on that same grid, of one that was observed through a
+    # correlation window, whose interfaces lie anywhere, and of the latter where cells are divided into subcells.
+    same_grid_floor: float = 3.8e-5
+    window_floor: float = 1.3e-3
+    subcells_floor: float = 2e-4
+    #: Misfit of the best homogeneous material of one load case beyond which the basis cannot describe the forces (a
+    #: record with rate effects, say); their uncertainty is then that misfit. Below it, heterogeneity explains it, as it
+    #: does what several load cases together leave: each would have a homogeneous material of its own.
+    description_error: float = 0.015
+    #: Share of a step's largest force below which a component's relative uncertainty no longer shrinks.
+    smallest_force: float = 0.1
+
+    # Homogeneous start. How strongly the fit prefers the plainest material, in units of a misfit of 1 %: for the start,
+    # and to see what no material of the basis can follow; and how often what clamps do to it is computed anew.
+    strong_ridge: float = 0.3
+    weak_ridge: float = 0.03
+    bending_rounds: int = 3
+
+    # Objective.
+    #: Weight of the squared distance from the homogeneous fit, small: it decides only what data leave open.
+    ridge: float = 0.02
+    #: Relative jumps below this size are smoothed rather than counted.
+    smallest_jump: float = 0.02
+    #: The same in the end where displacements have noise, which would hide in gentle slopes that cost nothing. On the
+    #: way so sharp a bend makes many local minima.
+    sharp_jump: float = 0.005
+    #: Length of the fibre vector from which it can grow: at zero it has no gradient.
+    smallest_fibre: float = 0.01
+
+    # Newton's method for the states: a relative residual far below what displacements are trusted to.
+    newton_tolerance: float = 1e-6
+
+    # Gauss-Newton steps.
+    #: Iterations with total variation before jumps above the saturation size stop costing more.
+    convex_iterations: int = 5
+    #: Largest change of a parameter in one step: twice as stiff and more is beyond what a linearisation tells.
+    largest_step: float = 1.0
+    #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the penalty, and so
+    #: falls short of where the penalty leads.
+    over_relaxation: float = 1.7
+    #: Factor from one trial of a line search to the next, and how many trials in the clipped and in the whole
+    #: direction.
+    fraction: float = 0.4
+    clipped_trials: int = 2
+    scaled_trials: int = 5
+    #: Damping: where it begins, bounds, and factors after a whole step, a short one and none.
+    first_damping: float = 1.0
+    smallest_damping: float = 1e-4
+    largest_damping: float = 1e6
+    damping_after_success: float = 0.25
+    damping_after_short_step: float = 4.0
+    damping_after_failure: float = 100.0
+    #: Fractions of a step from which it counts as whole, and below which as short.
+    whole_step: float = 0.99
+    short_step: float = 0.5
+
+    # Linear solves.
+    #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
+    cg_iterations: tuple[int, int] = (150, 200)
+    #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. The
+    #: valleys on the way are narrow; a loose step crosses them to and fro, and where that ends is chance.
+    cg_tolerance: tuple[float, float] = (0.001, 0.003)
+    #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
+    curvature_share: float = 0.3
+    curvature_probes: int = 2
+    #: Directions that a deflated solve keeps for the next one.
+    deflated_directions: int = 40
+    #: Relative residual and most iterations of a posterior sample.
+    sample_tolerance: float = 0.01
+    sample_iterations: int = 100
+
+    # Judging where a descent stands.
+    #: A displacement misfit this close to its noise counts as explained.
+    explained: float = 1.05
+    #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained. The
+    #: forces of good fields are missed by one to three uncertainties: a thousandth.
+    unexplained: float = 2.0
+    forces_unexplained: float = 4.0
+    #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance, and
+    #: beyond which it never does.
+    by_chance: float = 1.0
+    never_by_chance: float = 3.0
+    #: Share of the cost that misfits without noise have where the terms do not contain the material: half and more.
+    #: Where they do, a few hundredths.
+    much_left: float = 0.3
+    #: Share of the cost below which misfits leave nothing to explain: without noise, that of a neo-Hookean sheet is a
+    #: few thousandths, and that of any other nearly one.
+    nothing_left: float = 0.02
+
+    # Order of the terms.
+    #: The term that joins once further ones are known: with all at once the valleys are longest.
+    last_term: str = "stiffening"
+    #: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than this share
+    #: of the cost of noise in one iteration.
+    stiffness_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3),)
+    stiffness_tolerance: float = 3e-3
+    #: Where further terms may follow, a test that is not explained waits for them there, or where it is stuck.
+    further_plateaus: tuple[Plateau, ...] = (
+        Plateau(0.1, 5, above=2.0),
+        Plateau(0.02, 5, above=1.05, left=0.3),
+    )
+
+    # Other minima.
+    perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
+
+    # Subcells: into how many rows and columns cells are divided, how many a sheet may have, for memory, and for how
+    # many iterations it pays.
+    subcells: int = 2
+    most_subcells: int = 16000
+    subcells_iterations: int = 12
+
+    #: What a jump of each further parameter counts, against one of the logarithm of the stiffness.
+    jump_shares: dict[str, float] = field(
+        default_factory=lambda: {"logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
+    )
+    default_jump_share: float = 0.5
+
+
+STRATEGY = Strategy()

@@ -1,0 +1,81 @@
+"""The three trainings of a hyper-network: nearly homogeneous, towards a target, towards equilibrium and forces."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from hypernode.material.laws import node_stress
+from hypernode.training.loop import Fit, minimise
+from hypernode.training.losses import LOSSES, variation
+from hypernode.training.problem import InverseProblem
+
+#: Components of the stress in the plane: misfits are means over them, and the squared gap is a sum.
+COMPONENTS = 4.0
+
+
+def initialise(problem: InverseProblem) -> Fit:
+    """Begin with the homogenised parameters as the last layer's bias, then fit what little is left."""
+    params, apply = problem.trainable()
+    method = problem.method
+
+    def loss(params, key):
+        return jnp.mean((apply(params)(problem.X) - problem.centre) ** 2)
+
+    fit = minimise(loss, params, method.initialisation, stage="initialisation", case=problem.name, seed=method.seed)
+    return fit.of(apply)
+
+
+def pretrain(problem: InverseProblem) -> Fit:
+    """Train P_pred(X_i, t_j) towards its target at every cell.
+
+    The target is P_ave(t_j) (equation ``pre-training1-6``), or the stress of the constrained field.
+    """
+    method = problem.method
+    params, apply = problem.trainable()
+    cells = len(problem.X)
+    count = min(method.pretraining.points or cells, cells)
+    # An iteration sees the cells that follow one another, from anywhere on, in an order that is random once and for
+    # all: to draw and gather them anew would take a seventh of its time. The order ends as it begins.
+    order = np.resize(np.random.default_rng(method.seed).permutation(cells), cells + count)
+    target, X = problem.target().ordered(order), problem.X[order]
+
+    def loss(params, key):
+        first = jax.random.randint(key, (), 0, cells)
+        node_params = apply(params)(jax.lax.dynamic_slice_in_dim(X, first, count)).T
+        misfit = target.following(first, count).misfit(problem.node, node_params)
+        return misfit + method.prior_weight * problem.node.departure(node_params, problem.centre)
+
+    fit = minimise(loss, params, method.pretraining, stage="pre-training", case=problem.name, seed=method.seed)
+    return fit.of(apply)
+
+
+def train(problem: InverseProblem) -> Fit:
+    """Train the hyper-network on equilibrium and resultants (equation ``main_loss_function``)."""
+    method, settings = problem.method, problem.method.training
+    params, apply = problem.trainable()
+    physics = LOSSES[settings.equilibrium](problem, settings)
+    F, steps = problem.F, problem.F.shape[2]
+    if settings.variation_weight > 0:
+        mean_F, contours = variation(problem)
+        F = jnp.concatenate([F, mean_F], axis=2)
+    if settings.target_weight > 0:
+        misfit = partial(problem.target().misfit, problem.node)
+
+    def loss(params, key):
+        """Equilibrium and forces, and what decides where they do not."""
+        network = apply(params)
+        node_params = network(problem.X).T
+        # All deformations in one go: the neural ODEs are most of what there is to compile.
+        P = node_stress(problem.node, F, node_params)
+        total = physics(P[:, :, :steps], network, key)
+        total += method.prior_weight * problem.node.departure(node_params, problem.centre)
+        if settings.variation_weight > 0:
+            total += settings.variation_weight * contours(P[:, :, steps:])
+        if settings.target_weight > 0:
+            total += COMPONENTS * settings.target_weight * misfit(node_params)
+        return total
+
+    fit = minimise(loss, params, settings, stage="main training", case=problem.name, seed=method.seed)
+    return fit.of(apply)

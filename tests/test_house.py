@@ -1,0 +1,163 @@
+"""The house: which package may import which, and how large its rooms may be."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "src" / "hypernode"
+#: Package or module at the top -> what of hypernode it may import. Points, then sheets, then data, then the two ways to
+#: a material, then what judges and shows it; stages and the command line join them.
+ALLOWED = {
+    "errors": set(),
+    "progress": set(),
+    "mechanics": {"errors"},
+    "networks": {"errors"},
+    "fem": {"errors", "mechanics"},
+    "storage": {"errors"},
+    "config": {"errors", "mechanics", "networks"},
+    "data": {"errors", "mechanics", "fem"},
+    "material": {"errors", "mechanics", "networks", "config", "storage"},
+    "dic": {"errors", "progress", "mechanics", "fem", "config"},
+    "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
+    "identification": {"errors", "progress", "mechanics", "fem", "data", "config"},
+    "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
+    "evaluation": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "synthetic", "config"},
+    "figures": {"errors", "mechanics", "fem", "data", "material", "evaluation", "storage"},
+    "tables": {"errors", "mechanics", "storage"},
+    "pipeline": {"errors", "config", "dic", "storage"},
+    "stages": {
+        *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
+        *("synthetic", "identification", "training", "evaluation"),
+    },
+    "cli": {"errors", "config", "storage", "pipeline"},
+    "__main__": {"cli"},
+    "__init__": {"material"},
+}
+#: What of the configuration the two ways to a material may see: the method, and nothing of case or truth.
+OWN_SECTIONS = {"identification": {"config.methods"}, "training": {"config.methods"}, "material": {"config.methods"}}
+#: Modules with the names of array dimensions, free of imports, that the configuration reads.
+FREE_OF_IMPORTS = {"mechanics.loads", "mechanics.parameters", "networks.terms"}
+#: The functions of a measurement of which only stages, figures and tables may open files.
+OPENING = "hypernode.storage.netcdf"
+
+
+def modules():
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def room(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path):
+    """(line, module below hypernode) of every import of the package in a file, wherever it stands."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "hypernode":
+            base = node.module.removeprefix("hypernode").lstrip(".")
+            if base and "." not in base:
+                for name in node.names:
+                    inner = PACKAGE / base / f"{name.name}.py"
+                    yield node.lineno, f"{base}.{name.name}" if inner.is_file() else base
+            elif base:
+                yield node.lineno, base
+            else:
+                yield from ((node.lineno, name.name) for name in node.names)
+        elif isinstance(node, ast.Import):
+            for name in node.names:
+                if name.name.split(".")[0] == "hypernode":
+                    yield node.lineno, name.name.removeprefix("hypernode").lstrip(".")
+
+
+def test_every_room_is_known():
+    assert {room(path) for path in modules()} == set(ALLOWED)
+
+
+@pytest.mark.parametrize("name", sorted(ALLOWED))
+def test_a_room_imports_only_what_it_may(name):
+    wrong = [
+        f"{path.relative_to(PACKAGE)}:{line}: imports {module}"
+        for path in modules()
+        if room(path) == name
+        for line, module in imports(path)
+        if module.split(".")[0] not in ALLOWED[name] | {name}
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_no_arrow_runs_back_up_and_none_in_a_circle():
+    """The allowed arrows have an order: a room may see only rooms below it."""
+    below, left = set(), dict(ALLOWED)
+    while left:
+        free = [name for name, seen in left.items() if seen <= below]
+        assert free, f"a circle among {sorted(left)}"
+        below |= set(free)
+        for name in free:
+            del left[name]
+
+
+def test_modules_of_a_room_import_each_other_in_no_circle():
+    for name in ALLOWED:
+        arrows = {}
+        for path in modules():
+            if room(path) == name:
+                module = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+                arrows[module] = {target for _, target in imports(path) if target.split(".")[0] == name}
+        done: set = set()
+        while arrows:
+            free = [module for module, targets in arrows.items() if not (targets & set(arrows)) - {module}]
+            assert free, f"a circle among {sorted(arrows)}"
+            done |= set(free)
+            for module in free:
+                del arrows[module]
+
+
+@pytest.mark.parametrize("name", sorted(OWN_SECTIONS))
+def test_the_ways_to_a_material_see_no_section_of_the_configuration_but_the_method(name):
+    seen = {m for path in modules() if room(path) == name for _, m in imports(path) if m.split(".")[0] == "config"}
+    assert seen <= OWN_SECTIONS[name]
+
+
+def test_the_configuration_reads_of_mechanics_and_networks_only_names():
+    seen = {m for path in modules() if room(path) == "config" for _, m in imports(path)}
+    assert {m for m in seen if m.split(".")[0] in ("mechanics", "networks")} <= FREE_OF_IMPORTS
+
+
+@pytest.mark.parametrize("name", ["identification", "training", "evaluation", "synthetic", "data", "fem", "mechanics"])
+def test_mathematics_opens_no_file(name):
+    wrong = [
+        f"{path.name}: {node.func.id if isinstance(node.func, ast.Name) else node.func.attr}"
+        for path in modules()
+        if room(path) == name
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call)
+        and (
+            (isinstance(node.func, ast.Name) and node.func.id == "open")
+            or (isinstance(node.func, ast.Attribute) and node.func.attr in ("open_dataset", "to_netcdf", "read_text"))
+        )
+    ]
+    assert not wrong
+
+
+#: Files and functions that are longer than they should be, each with its reason.
+LONG_FILES = {
+    "fem/solver.py": "one class around JAX-FEM: what it replaces there is understood together",
+}
+LONG_FUNCTIONS = {
+    "identification/gauss_newton.py:descend": "one loop whose state would be passed to and fro",
+}
+
+
+def test_files_and_functions_stay_of_a_size_that_is_read_at_once():
+    long = []
+    for path in modules():
+        text = path.read_text()
+        where = str(path.relative_to(PACKAGE))
+        if len(text.splitlines()) > 250 and where not in LONG_FILES:
+            long.append(f"{where}: {len(text.splitlines())} lines")
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                length = node.end_lineno - node.lineno + 1
+                if length > 60 and f"{where}:{node.name}" not in LONG_FUNCTIONS:
+                    long.append(f"{where}:{node.lineno}: {node.name} has {length} lines")
+    assert not long, "\n".join(long)
