@@ -74,7 +74,11 @@ TARGETS = [
         for figure in FIGURES
         for kind in ("pdf", "png")
     ],
-    *[f"results/tables/{table}.csv" for table in CONFIG.tables],
+    *[
+        f"results/tables/{table}.{kind}"
+        for table in CONFIG.tables
+        for kind in ("csv", "md", "tex")
+    ],
 ]
 
 

@@ -19,10 +19,11 @@ from rocrate_validator.services import validate
 from rocrate_validator.utils.http import HttpRequester
 
 import hypernode
-from hypernode.storage.audit import lineage, result_files, verify
+from hypernode.storage.audit import verify
+from hypernode.storage.lineage import lineage
 from hypernode.storage.netcdf import sha256
 from hypernode.storage.provenance import code_hash, modules_used
-from hypernode.storage.records import read_record
+from hypernode.storage.records import read_record, result_files
 from hypernode.storage.schema import DIMS, VARIABLES, page
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -9,7 +9,7 @@ DEFINITION = [
 
 rule crate:
     input:
-        TARGETS,
+        targets=TARGETS,
         definition=DEFINITION,
     output:
         ensure("results/ro-crate-metadata.json", non_empty=True),

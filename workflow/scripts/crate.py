@@ -7,4 +7,5 @@ from hypernode.pipeline.job import job
 with job(snakemake) as attributes:
     from hypernode.storage import crate
 
-    crate.write(Path(snakemake.output[0]).parent, snakemake.input.definition, attributes)
+    inputs = snakemake.input
+    crate.write(Path(snakemake.output[0]).parent, inputs.targets, inputs.definition, attributes)

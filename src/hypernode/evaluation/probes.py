@@ -2,11 +2,19 @@
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from hypernode.material.field import Material
 
 #: Difference over sum of the principal stresses above which a material has a fibre direction to find.
 SMALLEST_ANISOTROPY = 0.05
+
+#: Newton's method for the transverse stretch ends with a step below STEP, or after NEWTON_STEPS.
+STEP, NEWTON_STEPS = 1e-7, 30
+
+#: Largest step that may be rounding alone, in units of the last place of 1. It is one or two units where the tangent
+#: across is as large as the stress along, and more in proportion where a sheet is softer across.
+ROUNDING_UNITS = 100
 
 
 def stress_at_common_F(material: Material, X, F) -> np.ndarray:
@@ -19,34 +27,32 @@ def equibiaxial_stress(material: Material, X, stretches) -> np.ndarray:
     return stress_at_common_F(material, X, np.asarray(stretches)[None, :, None, None] * np.eye(2))[0]
 
 
-def uniaxial_stress(material: Material, X, stretches, axis: int) -> np.ndarray:
-    """Normal stresses (stretch, point, 2) under a uniaxial *stress* along ``axis`` at the given stretches.
+def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.ndarray, "stretch point 2"]:
+    """Normal stresses under a uniaxial *stress* along ``axis`` at the given stretches; NaN where none is found.
 
-    The transverse stretch follows from a vanishing transverse stress by Newton's method.
+    The transverse stretch, between 0.3 and 3, follows from a vanishing transverse stress by Newton's method. A point
+    has converged where its last step is below :data:`STEP` or, in single precision, where steps never become that
+    small, below :data:`ROUNDING_UNITS` of the stress's type.
+
+    Args:
+        X: positions (point, 2).
+        stretches: stretches along ``axis`` (stretch,).
     """
     across = 1 - axis
     along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
     transverse = along**-0.5
-    for _ in range(30):
+    for _ in range(NEWTON_STEPS):
         F = np.zeros((*along.shape, 2, 2))
         F[..., axis, axis], F[..., across, across] = along, transverse
-        P = np.asarray(material.stress(X, F), float)
+        stress = material.stress(X, F)
+        P = np.asarray(stress, float)
         slope = np.asarray(material.tangent(X, F), float)[..., across, across, across, across]
         step = P[..., across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
         transverse = np.clip(transverse - step, 0.3, 3.0)
-        if np.abs(step).max() < 1e-7:
+        if np.abs(step).max() < STEP:
             break
-    return np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
-
-
-def curves(material: Material, X, stretches, kind: str) -> np.ndarray:
-    """Normal stresses (location, stretch, 2) along the stretch of the test's own kind."""
-    if kind in ("equibiaxial", "biaxial", "shear"):
-        P = equibiaxial_stress(material, X, stretches)
-        found = np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
-    else:
-        found = uniaxial_stress(material, X, stretches, 0 if kind.endswith("x") else 1)
-    return np.moveaxis(found, 0, 1)
+    converged = np.abs(step) <= max(STEP, ROUNDING_UNITS * float(jnp.finfo(stress.dtype).eps))
+    return np.where(converged[..., None], np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1), np.nan)
 
 
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:

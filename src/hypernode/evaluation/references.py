@@ -1,20 +1,22 @@
-"""Stage 11: what was identified, in sheets of one phase each and in frames that were not used, against their tests."""
+"""What was identified, in sheets of one phase each and in frames that were not used, against their tests."""
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.measurement import displacement_noise, mesh_of, relaxation
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
+from hypernode.data.boundary import prescribed_displacement
 from hypernode.material.laws import node_stress
 from hypernode.progress import Progress
 
 #: Phases by the value of an evaluation's ``shape``.
 PHASES = ("matrix", "inclusion")
+
 #: The identified field itself, in other frames of its own test.
 WHOLE = "whole"
+
 #: Quantiles of the stiffness of a phase whose cells together stand for it.
 MIDDLE = np.linspace(0.25, 0.75, 5)
 
@@ -47,7 +49,7 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         ConvergenceError: a step has no equilibrium.
     """
     mesh = mesh_of(measurement)
-    held = np.ones((len(EDGE_NAMES), 2))
+    prescribed = np.ones((len(EDGE_NAMES), 2))
     solver = EquilibriumSolver(
         mesh,
         lambda F, p: jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1),
@@ -55,7 +57,7 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
     )
     forces, noise = [], displacement_noise(measurement)
     for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
-        edges = prescribed_displacement(mesh, u, held, noise)
+        edges = prescribed_displacement(mesh, u, prescribed, noise)
         reached = solver.newton(np.where(edges.mask, edges.values, u), np.flatnonzero(edges.mask.ravel()), 1e-8)
         if reached.u is None:
             raise ConvergenceError(
@@ -66,3 +68,28 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         forces.append([force[mesh.on_edge(edge)].sum(axis=0) for edge in EDGE_NAMES])
         progress.advance(residual=reached.history[-1])
     return np.array(forces) * float(measurement.attrs["thickness"]) * relaxation(measurement)
+
+
+def reference_forces(phase: str, sheet, evaluation, node, params_at, progress: Progress):
+    """Resultants (step, edge, i) of a reference sheet with what was identified.
+
+    The material of a phase is the mean of the identified ones at its typical places; that of :data:`WHOLE` is the
+    identified field.
+
+    Args:
+        sheet: measurement file of the reference sheet.
+        evaluation: evaluation file of the identified specimen.
+        node, params_at: the material and its weights as a function of position, parameters first.
+
+    Raises:
+        ValueError, ConvergenceError: as :func:`typical_places` and :func:`pulled_sheet`.
+    """
+    places = mesh_of(sheet).centres if phase == WHOLE else typical_places(evaluation, phase)
+    node_params = np.asarray(params_at(places).T, float)
+    return pulled_sheet(sheet, node, node_params[:, None] if phase == WHOLE else node_params, progress)
+
+
+def force_nrmse(found: Float[np.ndarray, "step edge 2"], measured: Float[np.ndarray, "step edge 2"]) -> float:
+    """Root mean square error of the resultants that are measured, over the largest of them."""
+    known = np.isfinite(measured)
+    return float(np.sqrt(np.mean((found - measured)[known] ** 2)) / np.abs(measured[known]).max())

@@ -1,16 +1,25 @@
-"""Errors of stress fields and of deformation gradients."""
+"""Errors of a stress field against another, weighted by the area of the cells."""
 
 import numpy as np
+from jaxtyping import Float
 
 
-def relative_error(found, true, weights) -> float:
-    """Relative L2 difference of two stress fields [..., cell, i, J], weighted by cell area."""
+def relative_error(
+    found: Float[np.ndarray, "... cell 2 2"],
+    true: Float[np.ndarray, "... cell 2 2"],
+    weights: Float[np.ndarray, " cell"],
+) -> float:
+    """Relative L2 difference of two stress fields; not a number where ``true`` vanishes under the weights."""
     w = weights[:, None, None]
     return float(np.sqrt(np.sum(w * (found - true) ** 2) / np.sum(w * true**2)))
 
 
-def contrast(found, true, weights) -> tuple[float, float]:
-    """(L2 error over L2 deviation of the truth from its mean, correlation) of stress fields."""
+def contrast(
+    found: Float[np.ndarray, "... cell 2 2"],
+    true: Float[np.ndarray, "... cell 2 2"],
+    weights: Float[np.ndarray, " cell"],
+) -> tuple[float, float]:
+    """(L2 error over L2 deviation of the truth from its mean, correlation); not numbers for a uniform truth."""
     w = (weights / weights.sum())[:, None, None]
     deviation = true - np.sum(true * w, axis=-3, keepdims=True)
     found_deviation = found - np.sum(found * w, axis=-3, keepdims=True)
@@ -20,10 +29,3 @@ def contrast(found, true, weights) -> tuple[float, float]:
     error = np.sqrt(np.sum(w * (found - true) ** 2) / spread)
     cross = np.sum(w * deviation * found_deviation)
     return float(error), float(cross / np.sqrt(spread * np.sum(w * found_deviation**2)))
-
-
-def signal_to_noise(F, F_truth):
-    """SNR of each step in decibels, equation ``eq:SNR``: sum |F|^2 over sum of the squared error."""
-    axes = (1, 2, 3)
-    error = np.sum((F - F_truth) ** 2, axis=axes)
-    return 10.0 * np.log10(np.sum(F_truth**2, axis=axes) / np.maximum(error, 1e-300))

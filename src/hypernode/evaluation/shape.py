@@ -1,12 +1,15 @@
 """Shapes of inclusions: found without looking at the truth, and compared with it."""
 
 import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.spatial import cKDTree
 from skimage.filters import threshold_otsu
 
+from hypernode.evaluation.judgement import Judgement
 from hypernode.fem.mesh import Mesh
 
 #: Shift over side length and relative change of size that a registration may use, and how often its grid is halved.
@@ -29,7 +32,15 @@ def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np
     Between two well separated levels Otsu's criterion is flat and its first maximum hugs the lower
     level; half-way between the two means is the same optimum with the widest margin. A few cells beyond
     all others do not draw the threshold to themselves.
+
+    Raises:
+        ValueError: the indicator of a cell is not a number.
     """
+    if unknown := np.count_nonzero(np.isnan(indicator)):
+        raise ValueError(
+            f"{unknown} of {len(indicator)} cells have no stress at the stretch from which the shape is read: the "
+            "identified material is not physical there; look at the misfits and at the loss of its identification"
+        )
     indicator = np.clip(indicator, *np.quantile(indicator, (OUTLIERS, 1.0 - OUTLIERS)))
     if np.ptp(indicator) <= 1e-12 * max(np.abs(indicator).max(), 1e-300):
         return np.zeros(len(indicator), dtype=bool)
@@ -107,3 +118,47 @@ def most_interior(mesh: Mesh, shape) -> np.ndarray:
             distance = np.minimum(distance, cKDTree(centres[~side]).query(centres)[0])
         chosen.append(int(np.argmax(np.where(side, distance, -1.0))))
     return np.array(chosen)
+
+
+@dataclass(frozen=True)
+class PrintedShape:
+    """The shape that a specimen was printed with.
+
+    Attributes:
+        inside: points of the unit square (point, 2) -> 1 in the inclusion and 0 outside.
+        corners: lower left and upper right corner of the sheet, in the length unit of the test (2, 2).
+        flipped: whether the cameras saw its other side, upside down.
+    """
+
+    inside: Callable
+    corners: Float[np.ndarray, "2 2"]
+    flipped: bool
+
+
+def score_shape(
+    mesh: Mesh, field: Float[np.ndarray, " cell"], shape: Bool[np.ndarray, " cell"], true_shape
+) -> Judgement:
+    """How much stiffer the found inclusion is, and how well it covers the true or printed one, None if unknown."""
+    summary, variables = {}, {}
+    if shape.any() and not shape.all():
+        summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())
+    if true_shape is not None:
+        variables["shape_true"] = true_shape.astype(np.int64)
+        summary |= {
+            "dice": dice(shape, true_shape),
+            "iou": intersection_over_union(shape, true_shape),
+            "boundary_distance": boundary_distance(mesh, shape, true_shape),
+        }
+    return Judgement(variables, summary)
+
+
+def score_printed(
+    mesh: Mesh, shape: Bool[np.ndarray, " cell"], printed: PrintedShape
+) -> tuple[Judgement, Bool[np.ndarray, " cell"]]:
+    """(Dice score of the found shape after registration, the printed shape on the cells)."""
+    lower, upper = printed.corners
+    X = (mesh.centres - lower) / (upper - lower)
+    if printed.flipped:
+        X = X * (1.0, -1.0) + (0.0, 1.0)
+    score, registration = registered_dice(shape, printed.inside, X)
+    return Judgement(summary={"dice_registered": score, "registration": registration}), printed.inside(X) > 0.5

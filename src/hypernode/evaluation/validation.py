@@ -1,16 +1,48 @@
-"""Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
+"""The identified field in a finite-element computation of loads that were not in the test, against the true one."""
 
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float, Int
 
-from hypernode.fem.mesh import EDGE_NAMES
-from hypernode.fem.solver import ConvergenceError
+from hypernode.fem.mesh import EDGE_NAMES, Mesh
+from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
+from hypernode.material.laws import node_stress
+from hypernode.mechanics.loads import Load
+from hypernode.material.node_material import NodeMaterial
+from hypernode.progress import Progress
 from hypernode.synthetic.forward import resultants
 
 
-def _solve(solver, loads, progress):
-    """(u[step, node, i], edge forces[step, edge, i]) of every load, NaN for a load without equilibrium."""
+@dataclass(frozen=True)
+class Response:
+    """What a sheet does under several loads, whose steps follow one another; NaN for a load without equilibrium.
+
+    Attributes:
+        u: displacement.
+        edge_force: outward resultants per unit thickness.
+    """
+
+    u: Float[np.ndarray, "step node 2"]
+    edge_force: Float[np.ndarray, "step edge 2"]
+
+
+def identified_sheet(
+    mesh: Mesh, node: NodeMaterial, node_params: Float[np.ndarray, "cell parameter"]
+) -> EquilibriumSolver:
+    """The sheet whose cells are of the identified material."""
+    return EquilibriumSolver(
+        mesh,
+        lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
+        {"node": jnp.asarray(node_params)},
+    )
+
+
+def respond(solver: EquilibriumSolver, loads: Sequence[Load], progress: Progress) -> Response:
+    """Solve every load, and say on the standard error which has no equilibrium."""
     u, forces = [], []
     for load in loads:
         try:
@@ -23,4 +55,25 @@ def _solve(solver, loads, progress):
         for field in fields:
             u.append(field)
             forces.append(resultants(solver, field, load))
-    return np.stack(u), np.stack(forces)
+    return Response(np.stack(u), np.stack(forces))
+
+
+def worst_error(
+    found: Float[np.ndarray, "step ..."], true: Float[np.ndarray, "step ..."], load_case: Int[np.ndarray, " step"]
+) -> float:
+    """Relative L2 error over all steps of a load, the largest of all loads; NaN where one has no equilibrium."""
+    errors = [
+        np.linalg.norm(found[load_case == k] - true[load_case == k]) / np.linalg.norm(true[load_case == k])
+        for k in range(load_case.max() + 1)
+    ]
+    return float(np.max(errors))
+
+
+def compare(found: Response, true: Response, load_case: Int[np.ndarray, " step"]) -> dict[str, float]:
+    """Summary of a validation: worst errors, and how many loads have no equilibrium with one of the materials."""
+    without = np.isnan(found.u + true.u).any(axis=(1, 2))
+    return {
+        "unseen_displacement_error": worst_error(found.u, true.u, load_case),
+        "unseen_force_error": worst_error(found.edge_force, true.edge_force, load_case),
+        "unseen_without_equilibrium": len({int(k) for k in load_case[without]}),
+    }

@@ -95,7 +95,6 @@ def job(snakemake, float64: bool = False):
     """
     die_with_parent()
     claim_cores(snakemake.threads)
-    os.environ.setdefault("JAX_PLATFORMS", "cpu")
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
     set_up_compiler(float64)

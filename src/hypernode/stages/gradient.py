@@ -3,7 +3,7 @@
 import numpy as np
 
 from hypernode.data.measurement import mesh_of
-from hypernode.evaluation.scores import signal_to_noise
+from hypernode.evaluation.noise import signal_to_noise
 from hypernode.fem.gradient import METHODS
 from hypernode.storage.netcdf import read, units_of, write
 

@@ -1,14 +1,11 @@
 """Stage 10: the identified field in a finite-element computation of loads that were not in the test."""
 
-import jax.numpy as jnp
 import numpy as np
 
 from hypernode.config.model import Config
 from hypernode.data.measurement import mesh_of
-from hypernode.evaluation.validation import _solve
-from hypernode.fem.solver import EquilibriumSolver
+from hypernode.evaluation.validation import compare, identified_sheet, respond
 from hypernode.material.files import parameter_field
-from hypernode.material.laws import node_stress
 from hypernode.mechanics.loads import make_load
 from hypernode.progress import Progress
 from hypernode.storage.netcdf import read, units_of, write
@@ -26,26 +23,10 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
     mesh, case = mesh_of(truth), config.cases[name]
     loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.unseen_loads]
     node, params_at = parameter_field(file)
-    identified = np.asarray(params_at(mesh.centres).T, float)
-    solvers = (
-        true_sheet(truth)[0],
-        EquilibriumSolver(
-            mesh,
-            lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
-            {"node": jnp.asarray(identified)},
-        ),
-    )
     progress = Progress("validation", name, 2 * sum(len(load.H) for load in loads))
-    (u_true, f_true), (u, f) = (_solve(solver, loads, progress) for solver in solvers)
-    load_case = np.concatenate([np.full(len(load.H), k) for k, load in enumerate(loads)])
-
-    def worst(found, true):
-        errors = [
-            np.linalg.norm(found[load_case == k] - true[load_case == k]) / np.linalg.norm(true[load_case == k])
-            for k in range(len(loads))
-        ]
-        return float(np.max(errors))
-
+    true = respond(true_sheet(truth)[0], loads, progress)
+    found = respond(identified_sheet(mesh, node, np.asarray(params_at(mesh.centres).T, float)), loads, progress)
+    load_case = np.repeat(np.arange(len(loads)), [len(load.H) for load in loads])
     write(
         output,
         {
@@ -54,21 +35,17 @@ def run(config: Config, name: str, truth_file: str, material_file: str, output: 
             "corners": np.stack([mesh.lower, mesh.upper]),
             "load_case": load_case,
             "stretch": np.concatenate([load.stretch for load in loads]),
-            "u": u,
-            "u_truth": u_true,
-            "edge_force": f_true,
-            "edge_force_identified": f,
+            "u": found.u,
+            "u_truth": true.u,
+            "edge_force": true.edge_force,
+            "edge_force_identified": found.edge_force,
         },
         f"unseen loads of {name}",
         {
             **attributes,
             "units": units_of(truth),
             "load_cases": case.unseen_loads,
-            "summary": {
-                "unseen_displacement_error": worst(u, u_true),
-                "unseen_force_error": worst(f, f_true),
-                "unseen_without_equilibrium": len({int(k) for k in load_case[np.isnan(u + u_true).any(axis=(1, 2))]}),
-            },
+            "summary": compare(found, true, load_case),
         },
         parents=[truth_file, material_file],
     )

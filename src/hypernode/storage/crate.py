@@ -1,16 +1,15 @@
-"""The results of a run as a Workflow Run RO-Crate: every file, what made it, from what, with which settings."""
+"""The results of a run as a Workflow Run RO-Crate: what made every file, from what, with which settings and code."""
 
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rocrate.model import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from hypernode.storage.audit import result_files
 from hypernode.storage.netcdf import write_bytes_atomically
-from hypernode.storage.records import CRATE, read_record
+from hypernode.storage.records import CRATE, ancestry_of
 
 #: Where in a results folder the rules and scripts that made it are kept, as they were.
 DEFINITION = "definition"
@@ -28,28 +27,21 @@ FORMATS = {".nc": "application/netcdf", ".pdf": "application/pdf", ".png": "imag
 FORMATS |= {".md": "text/markdown", ".tex": "application/x-tex", ".py": "text/x-python", ".smk": "text/plain"}
 
 
-def build(folder: Path) -> ROCrate:
-    """The crate of a results folder, which holds the definition of the workflow; files stay where they are.
+def build(folder: Path, targets: Iterable[Path]) -> ROCrate:
+    """The crate of a run: its targets and their ancestors; files stay where they are.
 
-    One action stands for each file: its instrument is the rule, its objects are the parents and raw
-    inputs, and its settings are in the action's description.
+    One action stands for each file: its instrument is the rule with the code that made it, its objects are the
+    parents and raw inputs, and its settings, versions and flags are in the action's description.
+
+    Args:
+        folder: the results folder, an absolute path.
+        targets: what the run was asked for, and the definition of the workflow in the folder.
 
     Raises:
         StorageError: a file has no intact record.
     """
-    crate = ROCrate(gen_preview=False, version=VERSION)
-    crate.name = "hypernode results"
-    crate.description = "Full-field identification of heterogeneous hyperelastic sheets"
-    crate.license = "https://spdx.org/licenses/GPL-3.0-or-later"
-    files = [path for path in result_files(folder) if path.name != CRATE]
-    records = {path: read_record(path) for path in files}
-    ended = max((r["written"] for r in records.values()), default="1970-01-01")
-    crate.datePublished = ended
-    profiles = [
-        crate.add(ContextEntity(crate, uri, {"@type": "CreativeWork", "name": uri.rsplit("/", 2)[-2]}))
-        for uri in PROFILES
-    ]
-    crate.root_dataset["conformsTo"] = profiles
+    records = {path: record for path, record in ancestry_of(targets).items() if path.is_relative_to(folder)}
+    crate = _empty(ended=max((r["written"] for r in records.values()), default="1970-01-01"))
     described = {path: _described_file(crate, folder, path, record) for path, record in records.items()}
     language = {"@type": "ComputerLanguage", "name": "Snakemake", "url": {"@id": "https://snakemake.readthedocs.io"}}
     workflow = described[folder / MAIN_WORKFLOW]
@@ -58,20 +50,40 @@ def build(folder: Path) -> ROCrate:
     )
     rules = {}
     for path, record in records.items():
-        rule = record["rule"] or "unknown"
-        if rule not in rules:
-            described_rule = {"@type": "SoftwareApplication", "name": rule, "softwareVersion": record["code"]}
-            rules[rule] = crate.add(ContextEntity(crate, f"#rule-{rule}", described_rule))
-        _add_action(crate, folder, path, record, rules[rule], described)
+        rule = _rule(crate, record)
+        rules[rule.id] = rule
+        _add_action(crate, folder, path, record, rule, described)
     crate.add_action(
         workflow,
         identifier="#run",
-        result=[described[path] for path in files],
-        properties={"name": "run of the workflow", "endTime": ended},
+        result=list(described.values()),
+        properties={"name": "run of the workflow", "endTime": crate.datePublished.isoformat()},
     )
     crate.mainEntity = workflow
     workflow["hasPart"] = [rules[name] for name in sorted(rules)]
     return crate
+
+
+def _empty(ended: str) -> ROCrate:
+    """A crate that says what it is, and follows which profiles, but holds nothing yet."""
+    crate = ROCrate(gen_preview=False, version=VERSION)
+    crate.name = "hypernode results"
+    crate.description = "Full-field identification of heterogeneous hyperelastic sheets"
+    crate.license = "https://spdx.org/licenses/GPL-3.0-or-later"
+    crate.datePublished = ended
+    crate.root_dataset["conformsTo"] = [
+        crate.add(ContextEntity(crate, uri, {"@type": "CreativeWork", "name": uri.rsplit("/", 2)[-2]}))
+        for uri in PROFILES
+    ]
+    return crate
+
+
+def _rule(crate: ROCrate, record: dict):
+    """The entity of a rule with the code that it had: files of one rule may have been made by different code."""
+    identifier = f"#rule-{record['rule'] or 'unknown'}-{record['code'][:16]}"
+    properties = {"@type": "SoftwareApplication", "name": record["rule"] or "unknown"}
+    properties["softwareVersion"] = record["code"] or "unknown"
+    return crate.dereference(identifier) or crate.add(ContextEntity(crate, identifier, properties))
 
 
 def _described_file(crate: ROCrate, folder: Path, path: Path, record: dict):
@@ -94,6 +106,7 @@ def _add_action(crate: ROCrate, folder: Path, path: Path, record: dict, rule, de
         described_raw = {"@type": "CreativeWork", "name": Path(raw).name, "sha256": digest}
         objects.append(known or crate.add(ContextEntity(crate, identifier, described_raw)))
     name = path.relative_to(folder).as_posix()
+    made_with = {key: record.get(key, {}) for key in ("settings", "code", "versions", "compiler")}
     crate.add_action(
         rule,
         identifier=f"#made-{record['sha256'][:16]}-{name.replace('/', '-')}",
@@ -102,24 +115,26 @@ def _add_action(crate: ROCrate, folder: Path, path: Path, record: dict, rule, de
         properties={
             "name": f"{record['rule'] or 'unknown'} of {name}",
             "endTime": record["written"],
-            "description": json.dumps({"settings": record["settings"], "versions": record["versions"]}, sort_keys=True),
+            "description": json.dumps(made_with, sort_keys=True),
         },
     )
 
 
-def write(folder: Path, definition: Sequence[str], provenance: dict) -> None:
+def write(folder: Path, targets: Iterable[str], definition: Sequence[str], provenance: dict) -> None:
     """Write the workflow's definition and the crate's metadata into the results folder.
 
     Args:
         folder: the results folder.
+        targets: what the run was asked for; the crate holds them and their ancestors, and nothing else that lies there.
         definition: the Snakefile, first, and the files below its folder that belong to it.
         provenance: what the job says of itself, for the records.
     """
     folder, root = folder.resolve(), Path(definition[0]).resolve().parent
-    for source in definition:
-        copy = folder / DEFINITION / Path(source).resolve().relative_to(root)
+    copies = [folder / DEFINITION / Path(source).resolve().relative_to(root) for source in definition]
+    for source, copy in zip(definition, copies, strict=True):
         write_bytes_atomically(copy, lambda temporary, source=source: shutil.copyfile(source, temporary), provenance)
-    text = json.dumps(build(folder).metadata.generate(), indent=1, sort_keys=True) + "\n"
+    crate = build(folder, [*map(Path, targets), *copies])
+    text = json.dumps(crate.metadata.generate(), indent=1, sort_keys=True) + "\n"
     write_bytes_atomically(
         folder / CRATE, lambda temporary: Path(temporary).write_text(text, encoding="utf-8"), provenance
     )

@@ -1,15 +1,14 @@
-"""Which code, versions and parameters a file came from."""
+"""Which code, settings and environment a file came from."""
 
 import ast
 import hashlib
-import importlib.metadata
 import json
 from functools import cache
 from pathlib import Path
 
+from hypernode.storage.environment import compiler, versions
+
 PACKAGE = Path(__file__).resolve().parents[1]
-#: Packages whose version can change a number.
-RECORDED = ("jax", "jaxlib", "flax", "optax", "jax-fem", "fenics-basix", "numpy", "scipy", "xarray", "netCDF4")
 
 
 @cache
@@ -55,17 +54,16 @@ def code_hash(script: str | Path) -> str:
     return digest.hexdigest()
 
 
-def versions() -> dict[str, str]:
-    """Versions of the packages that can change a number."""
-    return {name: importlib.metadata.version(name) for name in RECORDED}
-
-
 def describe(rule: str, wildcards: dict, settings, code: str) -> dict:
-    """Attributes of a result file: the rule, its wildcards and parameters, code and versions."""
+    """Attributes of a result file: rule, wildcards, settings, code, versions of packages, flags of the compiler.
+
+    All of them stand in the file itself: two machines that agree in them are expected to agree in the result.
+    """
     return {
         "rule": rule,
         "run": dict(wildcards),
         "settings": json.dumps(settings, sort_keys=True),
         "code": code,
         "versions": versions(),
+        "compiler": compiler(),
     }

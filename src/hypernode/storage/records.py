@@ -1,6 +1,6 @@
 """The record beside every result file: its digest, what it came from, and when and where it was made.
 
-A result file itself holds nothing that differs between two equal runs; times and hosts are here.
+A result file itself holds nothing that differs between two equal runs; times, hosts and processors are here.
 ``material.nc`` has the record ``material.nc.json``.
 """
 
@@ -10,21 +10,20 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-from hypernode.errors import ExpectedError
+from hypernode.storage.environment import processor
+from hypernode.storage.errors import StorageError
 
 #: Keys that every record has.
 REQUIRED = ("sha256", "parents", "raw_inputs", "rule", "settings", "code", "versions")
 #: What describes a results folder as a whole; every other JSON file in one is a record.
 CRATE = "ro-crate-metadata.json"
-
-
-class StorageError(ExpectedError, RuntimeError):
-    """A result file is missing, damaged or breaks the schema; the message names file and variable."""
+#: Folders of a run that hold no results: what a job said and how long it took.
+NOT_RESULTS = ("logs", "benchmarks")
 
 
 def sha256(path: str | Path) -> str:
@@ -36,6 +35,15 @@ def sha256(path: str | Path) -> str:
 def is_record(path: Path) -> bool:
     """Whether a path is the record of a file, which may be gone: a run removes what it is about to write anew."""
     return path.suffix == ".json" and path.name != CRATE
+
+
+def result_files(folder: Path) -> list[Path]:
+    """Every result file of a run, without records, logs and benchmarks, in a fixed order."""
+    return sorted(
+        path
+        for path in folder.rglob("*")
+        if path.is_file() and path.relative_to(folder).parts[0] not in NOT_RESULTS and not is_record(path)
+    )
 
 
 def record_of(path: str | Path) -> Path:
@@ -68,7 +76,7 @@ def make_record(digest: str, provenance: Mapping[str, object], parents: Mapping[
 
     Args:
         digest: SHA-256 of the result file.
-        provenance: rule, run, settings, code, versions, and raw_inputs where there are any.
+        provenance: rule, run, settings, code, versions, compiler, and raw_inputs where there are any.
         parents: path relative to the result file -> SHA-256.
     """
     settings = provenance.get("settings", "{}")
@@ -81,11 +89,13 @@ def make_record(digest: str, provenance: Mapping[str, object], parents: Mapping[
         "settings": json.loads(settings) if isinstance(settings, str) else settings,
         "code": provenance.get("code", ""),
         "versions": provenance.get("versions", {}),
+        "compiler": provenance.get("compiler", {}),
         "source": source_state(),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
         "host": platform.node(),
         "user": getpass.getuser() if "LOGNAME" in os.environ or "USER" in os.environ else str(os.getuid()),
         "python": platform.python_version(),
+        "processor": processor(),
     }
     return _text(content | {"record": _own_digest(content)})
 
@@ -117,6 +127,21 @@ def read_record(path: str | Path) -> dict:
     if record.get("record") != _own_digest(record) or text != _text(record):
         raise StorageError(f"{place}: the record is damaged: it does not match its own digest")
     return record
+
+
+def ancestry_of(targets: Iterable[Path]) -> dict[Path, dict]:
+    """Files and all of their ancestors with their records, each file once, in a fixed order.
+
+    Raises:
+        StorageError: one of them has no intact record.
+    """
+    found, todo = {}, [Path(target).resolve() for target in targets]
+    while todo:
+        path = todo.pop()
+        if path not in found:
+            found[path] = read_record(path)
+            todo += [(path.parent / parent).resolve() for parent in found[path]["parents"]]
+    return dict(sorted(found.items()))
 
 
 def check_digest(path: str | Path) -> None:

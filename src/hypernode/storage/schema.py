@@ -105,7 +105,8 @@ VARIABLES = {
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),
-    # evaluation
+    # evaluation; the measured deformation is the differentiated mean of the repeats, the identified one the field that
+    # the method uses: its equilibrium field, its interpolant, or what the gradient stage made of the measurement
     "mode_F": Variable(("mode", "stretch_index", "i", "J"), "1", "prescribed common deformation gradient"),
     "stress_error": Variable(("mode", "stretch_index"), "1", "relative L2 error of P at common F"),
     "stress_error_phase": Variable(
@@ -114,7 +115,7 @@ VARIABLES = {
     "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
-    "trace_P_spread": Variable(("cell",), "stress", "standard deviation of that field over the draws"),
+    "trace_P_spread": Variable(("cell",), "stress", "standard deviation of that field over the posterior samples"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
     "curve_stretch": Variable(("curve_point",), "1", "stretch along the curves"),
@@ -123,14 +124,46 @@ VARIABLES = {
     ),
     "curve_true": Variable(("location", "curve_point", "i"), "stress", "true normal stresses P_xX and P_yY"),
     "curve_location": Variable(("location", "i"), "length", "where the curves are drawn"),
-    "edge_force_identified": Variable(("load_step", "edge", "i"), "force", "edge resultant of the identified stress"),
-    "edge_force_error": Variable(("load_step",), "1", "largest relative error of a measured resultant"),
-    "equilibrium_residual": Variable(("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces"),
-    "equilibrium_gap": Variable(("load_step",), "1", "relative distance of P from the nearest equilibrated stress"),
-    "P_field": Variable(
-        ("load_step", "cell", "i", "J"), "stress", "identified P at the measured deformation, cell mean"
+    "edge_force_identified": Variable(
+        ("load_step", "edge", "i"), "force", "edge resultant of the sheet that is computed with the identified material"
     ),
-    "principal_strain": Variable(("load_step", "cell"), "1", "largest principal Green-Lagrange strain"),
+    "edge_force_at_measured": Variable(
+        ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the measured deformation"
+    ),
+    "edge_force_error_measured": Variable(
+        ("load_step",), "1", "largest relative error of a measured resultant at the measured deformation"
+    ),
+    "equilibrium_residual_measured": Variable(
+        ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces, at the measured deformation"
+    ),
+    "equilibrium_gap_measured": Variable(
+        ("load_step",), "1", "relative distance of P from the nearest equilibrated stress at the measured deformation"
+    ),
+    "principal_strain_measured": Variable(
+        ("load_step", "cell"), "1", "largest principal Green-Lagrange strain of the measured deformation"
+    ),
+    "edge_force_at_identified": Variable(
+        ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the identified deformation"
+    ),
+    "edge_force_error_identified": Variable(
+        ("load_step",),
+        "1",
+        "largest relative error of a measured resultant at the identified deformation",
+    ),
+    "equilibrium_residual_identified": Variable(
+        ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces, at the identified deformation"
+    ),
+    "equilibrium_gap_identified": Variable(
+        ("load_step",),
+        "1",
+        "relative distance of P from the nearest equilibrated stress at the identified deformation",
+    ),
+    "principal_strain_identified": Variable(
+        ("load_step", "cell"), "1", "largest principal Green-Lagrange strain of the identified deformation"
+    ),
+    "P_field": Variable(
+        ("load_step", "cell", "i", "J"), "stress", "identified P at the identified deformation, at the cell centres"
+    ),
 }
 
 

@@ -1,0 +1,169 @@
+"""The command hypernode: ask results where they came from, and what files and configurations hold.
+
+A command is a function that adds its parser to those of ``COMMANDS``, with a ``run`` that takes the arguments and
+gives the exit code. It imports what it needs when it runs, so that no command waits for another one's packages.
+"""
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+from hypernode.errors import ExpectedError
+
+
+class Unavailable(ExpectedError):
+    """A command needs a part that this installation lacks; the message says which."""
+
+
+def add_audit(commands) -> None:
+    """``audit verify | explain | diff | report``."""
+    audit = commands.add_parser("audit", help="where results came from and whether they are intact")
+    actions = audit.add_subparsers(dest="action", required=True)
+    verify = actions.add_parser("verify", help="rehash results and ancestry, compare how they were made; exit code 1")
+    verify.add_argument("folder", type=Path, nargs="?", default=Path("results"))
+    verify.set_defaults(run=audit_verify)
+    explain = actions.add_parser("explain", help="the lineage of a figure, table or NetCDF file")
+    explain.add_argument("file", type=Path)
+    explain.set_defaults(run=audit_explain)
+    diff = actions.add_parser("diff", help="what differs between two results folders, earliest stage first")
+    diff.add_argument("first", type=Path)
+    diff.add_argument("second", type=Path)
+    diff.set_defaults(run=audit_diff)
+    for action in (verify, explain, diff):
+        action.add_argument("--json", action="store_true", help="for machines")
+    report = actions.add_parser("report", help="file a Snakemake report among the results that it shows")
+    report.add_argument("report", type=Path)
+    report.add_argument("folder", type=Path, nargs="?", default=Path("results"))
+    report.set_defaults(run=audit_report)
+
+
+def audit_verify(arguments) -> int:
+    """Print problems and notices; exit code 1 where there is a problem."""
+    import hypernode
+    from hypernode.pipeline.compiler import settings_of_rules
+    from hypernode.storage.audit import verify
+    from hypernode.storage.records import result_files
+
+    workflow = Path(hypernode.__file__).resolve().parents[2] / "workflow"
+    found = verify(arguments.folder, settings_of_rules(workflow))
+    problems, notices = [[each for each in found if each.notice is kind] for kind in (False, True)]
+    if arguments.json:
+        kinds = {"problems": problems, "notices": notices}
+        lists = {kind: [{"file": f.file, "message": f.message} for f in each] for kind, each in kinds.items()}
+        print(json.dumps({"folder": str(arguments.folder), **lists}, indent=1))
+    else:
+        for each in problems + notices:
+            print(each)
+        if not problems:
+            print(f"{len(result_files(arguments.folder))} files, all as they were written")
+    return 1 if problems else 0
+
+
+def audit_explain(arguments) -> int:
+    """Print the lineage of a file."""
+    from hypernode.storage.lineage import lineage, tree
+
+    found = lineage(arguments.file.resolve())
+    print(json.dumps(found, indent=1, sort_keys=True) if arguments.json else "\n".join(tree(found, Path.cwd())))
+    return 0
+
+
+def audit_diff(arguments) -> int:
+    """Print what differs between two runs; exit code 1 where anything does."""
+    from hypernode.storage.differences import compare
+
+    entries = compare(arguments.first, arguments.second)
+    if arguments.json:
+        print(json.dumps(entries, indent=1))
+    else:
+        lines = [line for entry in entries for line in (entry["file"], *(f"  {d}" for d in entry["differences"]))]
+        print("\n".join(lines) or "the same results")
+    return 1 if entries else 0
+
+
+def audit_report(arguments) -> int:
+    """Copy a report into the results folder, with a record."""
+    from hypernode.storage.report import file_report
+
+    print(file_report(arguments.report, arguments.folder))
+    return 0
+
+
+def add_schema(commands) -> None:
+    """``schema [files | config]``."""
+    schema = commands.add_parser(
+        "schema", help="what result files hold, as a Markdown page, or configurations, as JSON"
+    )
+    schema.add_argument("what", nargs="?", choices=tuple(SCHEMAS), default="files")
+    schema.set_defaults(run=lambda arguments: SCHEMAS[arguments.what]())
+
+
+def schema_files() -> int:
+    """Print the page of what result files hold."""
+    from hypernode.storage.schema import page
+
+    print(page(), end="")
+    return 0
+
+
+def schema_config() -> int:
+    """Print the JSON Schema of the configuration."""
+    try:
+        from hypernode.config.json_schema import text
+    except ModuleNotFoundError as error:
+        raise Unavailable("this version of hypernode has no JSON Schema of its configuration") from error
+    print(text(), end="")
+    return 0
+
+
+SCHEMAS = {"files": schema_files, "config": schema_config}
+
+
+def add_idle(commands) -> None:
+    """``idle``."""
+    commands.add_parser("idle", help="exit code 0 where no workflow runs in this folder").set_defaults(run=idle)
+
+
+def idle(arguments) -> int:
+    """Whether no workflow is running in this folder, so that its lock may be taken away."""
+    here, running = Path.cwd().resolve(), []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (process / "cmdline").read_bytes().decode(errors="replace").split("\0")
+            at = (process / "cwd").resolve()
+        except OSError:
+            continue
+        if at == here and any(Path(word).name == "snakemake" for word in words[:4]):
+            running.append(process.name)
+    if running:
+        print(f"error: a run is going on in this folder (process {', '.join(running)})", file=sys.stderr)
+        return 1
+    return 0
+
+
+COMMANDS = (add_audit, add_schema, add_idle)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line's parser."""
+    top = argparse.ArgumentParser(prog="hypernode", description=__doc__.splitlines()[0])
+    commands = top.add_subparsers(dest="command", required=True)
+    for add in COMMANDS:
+        add(commands)
+    return top
+
+
+def main(argv=None) -> int:
+    """Run a command; expected errors become one line on standard error and exit code 2."""
+    arguments = parser().parse_args(argv)
+    try:
+        return arguments.run(arguments)
+    except BrokenPipeError:
+        # The reader of a pipe (head, less) has seen enough.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (ExpectedError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2

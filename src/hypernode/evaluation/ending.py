@@ -1,0 +1,29 @@
+"""How the descent to a constrained field ended, as its file says."""
+
+import json
+
+import xarray as xr
+
+from hypernode.evaluation.judgement import Judgement
+
+
+def score_ending(constrained: xr.Dataset) -> Judgement:
+    """How the descent ended, and the misfits of displacements and forces in units of their noise.
+
+    Raises:
+        ValueError: the file does not say so.
+    """
+    missing = [key for key in ("ending", "misfits") if key not in constrained.attrs]
+    if missing:
+        raise ValueError(
+            f"constrained.nc, {constrained.attrs.get('title', 'a constrained field')}: does not say how its descent "
+            f"ended (no attribute {' or '.join(missing)}): it is of an older version; delete it and run again"
+        )
+    misfits = json.loads(constrained.attrs["misfits"])
+    return Judgement(
+        summary={
+            "ending": constrained.attrs["ending"],
+            "displacement_misfit": float(misfits["displacement"]),
+            "force_misfit": float(misfits["force"]),
+        }
+    )

@@ -1,0 +1,23 @@
+"""What an evaluation finds: fields to store and single numbers to tabulate."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A part of an evaluation; parts are joined by ``|``.
+
+    Attributes:
+        variables: arrays by the name of the stored variable.
+        summary: numbers by the key that tables look up.
+    """
+
+    variables: Mapping[str, object] = field(default_factory=dict)
+    summary: Mapping[str, object] = field(default_factory=dict)
+
+    def __or__(self, other: "Judgement") -> "Judgement":
+        twice = self.variables.keys() & other.variables.keys() | self.summary.keys() & other.summary.keys()
+        if twice:
+            raise ValueError(f"judged twice: {', '.join(sorted(twice))}")
+        return Judgement({**self.variables, **other.variables}, {**self.summary, **other.summary})

@@ -1,0 +1,114 @@
+"""How far the identified stress is from that of the true material, when both undergo the same deformation."""
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Bool, Float, Int
+
+from hypernode.data.measurement import mesh_of
+from hypernode.evaluation.judgement import Judgement
+from hypernode.evaluation.probes import stress_at_common_F
+from hypernode.evaluation.scores import contrast, relative_error
+from hypernode.fem.mesh import Mesh
+from hypernode.material.field import Material
+from hypernode.material.files import nearest_cell
+from hypernode.mechanics.modes import MODES
+
+#: Points along each side of a measured cell at which the truth is averaged.
+SAMPLES = 10
+
+
+def observed_mode(kind: str) -> int:
+    """Index in :data:`MODES` of the homogeneous deformation that is closest to a kind of load."""
+    if kind in ("equibiaxial", "biaxial"):
+        return MODES.index("equibiaxial")
+    return MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+
+
+def interface_band(mesh: Mesh, inside: Bool[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Cells with a node that belongs to cells of both sides."""
+    touched = np.zeros((2, len(mesh.nodes)), dtype=bool)
+    for side in range(2):
+        touched[side, mesh.cells[inside == bool(side)].ravel()] = True
+    return touched.all(axis=0)[mesh.cells].any(axis=1)
+
+
+def cell_means(
+    truth, true: Material, mesh: Mesh, F: Float[np.ndarray, "mode stretch 2 2"]
+) -> Float[np.ndarray, "mode stretch cell 2 2"] | None:
+    """True P at common F averaged over each cell of a grid that is not the truth's own, or None where it is.
+
+    Args:
+        truth, true: file of the true material, and the material itself.
+        mesh: the measured grid.
+        F: deformation gradients that all points undergo.
+    """
+    sheet = mesh_of(truth)
+    if len(sheet.cells) == len(mesh.cells) and np.allclose(sheet.centres, mesh.centres):
+        return None
+    places = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    low, high = mesh.nodes[mesh.cells[:, 0]], mesh.nodes[mesh.cells[:, 2]]
+    share = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
+    sampled = nearest_cell(truth)(low + share * (high - low))
+    average = scipy.sparse.csr_matrix(
+        (np.full(sampled.size, 1.0 / len(share)), (np.tile(np.arange(len(low)), len(share)), sampled.ravel())),
+        (len(low), len(sheet.cells)),
+    )
+    P = stress_at_common_F(true, sheet.centres, F)
+    means = average @ np.moveaxis(P, -3, 0).reshape(len(sheet.cells), -1)
+    return np.moveaxis(means.reshape(len(low), *P.shape[:2], 2, 2), 0, -3)
+
+
+def errors_at_common_F(P, P_true, weights: Float[np.ndarray, " cell"]) -> Float[np.ndarray, "mode stretch"]:
+    """Relative error of every mode and stretch, P[mode, stretch, cell, i, J]."""
+    modes, stretches = P.shape[:2]
+    return np.array([[relative_error(P[m, s], P_true[m, s], weights) for s in range(stretches)] for m in range(modes)])
+
+
+def score_stress(
+    mesh: Mesh,
+    P: Float[np.ndarray, "mode stretch cell 2 2"],
+    P_true: Float[np.ndarray, "mode stretch cell 2 2"],
+    phase: Int[np.ndarray, " cell"],
+    phases: int,
+    observed: int,
+) -> Judgement:
+    """Errors by mode and phase, and single numbers of the observed mode and of all modes.
+
+    Args:
+        P, P_true: identified and true stress at common F.
+        phase: true phase of each cell, 0 the matrix.
+        phases: number of phases.
+        observed: index of the mode closest to the load of the test.
+    """
+    areas = mesh.areas
+    found, true = P[observed], P_true[observed]
+    by_phase = [errors_at_common_F(P, P_true, areas * (phase == k)) for k in range(phases)]
+    error, correlation = contrast(found, true, areas)
+    return Judgement(
+        {
+            "P_true": P_true,
+            "stress_error": errors_at_common_F(P, P_true, areas),
+            "stress_error_phase": np.array(by_phase),
+            "phase": phase,
+        },
+        {
+            "stress_error": relative_error(found, true, areas),
+            "stress_error_all_modes": relative_error(P, P_true, areas),
+            "stress_error_off_interface": relative_error(found, true, areas * ~interface_band(mesh, phase > 0)),
+            "contrast_error": error,
+            "correlation": correlation,
+        },
+    )
+
+
+def score_constrained(P, P_constrained, P_true, areas: Float[np.ndarray, " cell"]) -> Judgement:
+    """Where the error comes from: the constrained field against the truth, and the networks against that field.
+
+    All stresses are those of the observed mode (stretch, cell, 2, 2).
+    """
+    return Judgement(
+        summary={
+            "stress_error_constrained": relative_error(P_constrained, P_true, areas),
+            "network_error": relative_error(P, P_constrained, areas),
+        }
+    )

@@ -1,0 +1,55 @@
+"""What around the code can change a number: packages, compiler, precision, processor."""
+
+import importlib.metadata
+import os
+import platform
+import re
+from functools import cache
+from pathlib import Path
+
+from hypernode.storage.errors import StorageError
+
+REQUIREMENTS = Path(__file__).resolve().parents[3] / "requirements.txt"
+#: They run jobs, describe files and colour text; no number passes through them. What is new is recorded by default.
+NOT_COMPUTING = frozenset({"snakemake", "rocrate", "pygments"})
+#: What a job sets, before JAX is imported, that changes how and in which precision it computes.
+COMPILER_VARIABLES = ("XLA_FLAGS", "JAX_ENABLE_X64", "JAX_PLATFORMS")
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Installed versions of the packages in requirements.txt that take part in computing.
+
+    Raises:
+        StorageError: there is no requirements.txt beside the code.
+    """
+    try:
+        lines = REQUIREMENTS.read_text(encoding="utf-8").splitlines()
+    except OSError:
+        raise StorageError(f"{REQUIREMENTS}: cannot be read; install the project with pip install -e .") from None
+    names = [found[0] for line in lines if (found := re.match(r"[A-Za-z0-9][\w.-]*", line))]
+    found = {}
+    for name in names:
+        try:
+            version = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+        if name.lower() not in NOT_COMPUTING:
+            found[name] = version
+    return found
+
+
+def compiler() -> dict[str, str]:
+    """Flags and precision of this process, as its job has set them; a variable that is not set is left out."""
+    return {name: os.environ[name] for name in COMPILER_VARIABLES if name in os.environ}
+
+
+@cache
+def processor() -> dict[str, str]:
+    """Architecture and model name of the processor; the model is empty where the system does not tell."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        text = ""
+    model = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return {"architecture": platform.machine(), "model": model[1].strip() if model else platform.processor()}

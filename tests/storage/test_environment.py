@@ -1,0 +1,39 @@
+"""What can change a number is recorded: packages, flags, precision."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hypernode.pipeline.compiler import QUICK_KERNELS, compiler_settings, settings_of_rules
+from hypernode.storage.environment import NOT_COMPUTING, versions
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_every_required_package_that_computes_is_recorded_with_its_pinned_version():
+    pinned = dict(re.findall(r"^([\w.-]+)==(\S+)$", (ROOT / "requirements.txt").read_text(), re.MULTILINE))
+    assert versions() == {name: pinned[name] for name in pinned if name not in NOT_COMPUTING}
+    assert {"jax", "jaxlib", "numpy", "scipy", "cvxopt", "scikit-image", "pillow", "matplotlib"} <= set(versions())
+    assert not NOT_COMPUTING & set(versions()) and set(pinned) >= NOT_COMPUTING
+
+
+@pytest.mark.parametrize("float64", [True, False])
+def test_a_job_records_the_flags_and_the_precision_that_it_sets(float64):
+    code = "import hypernode.pipeline.compiler as c, hypernode.storage.environment as e; "
+    code += f"c.set_up_compiler({float64}); c.set_up_compiler({float64}); print(e.compiler())"
+    environment = {**os.environ, "XLA_FLAGS": "--xla_mine=true"}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    flags = f"{QUICK_KERNELS} --xla_mine=true"
+    wanted = {"XLA_FLAGS": flags, "JAX_ENABLE_X64": str(int(float64)), "JAX_PLATFORMS": "cpu"}
+    assert done.stdout.strip() == str(wanted)
+
+
+def test_what_each_rule_would_set_now_follows_its_script():
+    settings = settings_of_rules(ROOT / "workflow")
+    assert {p.stem for p in (ROOT / "workflow/scripts").glob("*.py")} <= set(settings)
+    assert settings["forward"] == compiler_settings(True) and settings["training"] == compiler_settings(False)
+    assert settings["only_pretraining"] == settings["pretraining"]
