@@ -65,7 +65,7 @@ def test_an_absent_folder_is_an_error_with_its_line_unless_it_may_be_absent(tmp_
 @pytest.mark.parametrize("pair", [("frames", "stretches"), ("stretches", "load_steps"), ("frames", "load_steps")])
 def test_only_one_thing_selects_the_load_steps(pair):
     values = {"frames": [2], "stretches": [1.1], "load_steps": 3}
-    with pytest.raises(ValueError, match=f"give one of {pair[0]} and {pair[1]}"):
+    with pytest.raises(ValueError, match=f"give only one of {pair[0]}, {pair[1]}:"):
         specimen(**{key: values[key] for key in pair})
 
 

@@ -72,9 +72,12 @@ def _describe(place: dict, section: type[Section]) -> None:
     bases = [each for each in section.__mro__ if issubclass(each, Section)]
     documented = [_documented(sys.modules[each.__module__]).get(each.__name__, {}) for each in bases]
     for key, field in place["properties"].items():
-        # The word that tells one kind of entry from another means what the section means.
-        sentences = [*documented, {key: place["description"].splitlines()[0]}]
-        field["description"] = next(each[key] for each in sentences if key in each)
+        found = [sentences[key] for sentences in documented if key in sentences]
+        if found:
+            field["description"] = found[0]
+        elif "const" in field:
+            # The word that tells one kind of entry from another means what the section means.
+            field["description"] = place["description"].splitlines()[0]
 
 
 @cache

@@ -8,23 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field
 #: Names of entries become parts of file names.
 NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
 
-
 Positive = Annotated[float, Field(gt=0)]
-
-
 NonNegative = Annotated[float, Field(ge=0)]
-
-
 Fraction = Annotated[float, Field(ge=0, le=1)]
-
-
 Count = Annotated[int, Field(ge=1)]
-
-
 #: A number of something that may be none, or the seed of random numbers.
 NonNegativeInt = Annotated[int, Field(ge=0)]
-
-
 Point = tuple[float, float]
 
 

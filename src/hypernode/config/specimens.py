@@ -71,5 +71,5 @@ class Specimen(Section):
             return values
         given = [key for key in ("frames", "stretches", "load_steps") if values.get(key) is not None]
         if len(given) > 1:
-            raise ValueError(f"give one of {' and '.join(given)}, which both select the load steps")
+            raise ValueError(f"give only one of {', '.join(given)}: each of them selects the load steps")
         return values if given else {**values, "load_steps": LOAD_STEPS}
