@@ -1,8 +1,4 @@
-"""How one job of the workflow runs: its cores, its log, its errors, its attributes.
-
-This module must be imported before JAX: it pins the process to as many CPUs as the job declares, so
-that XLA's thread pool has that size and two jobs on two cores do not fight.
-"""
+"""How one job compiles: the flags of XLA, the precision of JAX, and where compiled functions are kept."""
 
 import importlib.metadata
 import os
