@@ -10,28 +10,32 @@ from snakemake.utils import min_version
 from hypernode.config.loading import ConfigError, load_config
 from hypernode.config.slices import slice_for
 from hypernode.pipeline.dag import (
-    code_params,
     field_inputs,
-    figure_inputs,
-    figure_runs,
-    image_files,
     method_settings,
     only_pretrained,
     present_cases,
     previous_input,
+    run_files,
+    stage_file,
+)
+from hypernode.pipeline.resources import memory, runtime
+from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory
+from hypernode.pipeline.shown import (
+    figure_inputs,
+    figure_runs,
+    table_inputs,
+    table_settings,
+)
+from hypernode.pipeline.sources import (
+    code_params,
+    image_files,
     printed_input,
     reference_inputs,
     specimen_files,
-    stage_file,
-    table_inputs,
-    table_settings,
     truth_input,
 )
 
 min_version("9.27")
-
-
-container: "docker://python:3.11"
 
 
 # A configuration given on the command line replaces the default one instead of being merged into
@@ -69,17 +73,28 @@ wildcard_constraints:
 
 localrules:
     all,
+    crate,
+    figure,
+    table,
 
 
-TARGETS = [
-    *[f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+RESULTS = [
+    *dict.fromkeys(file for run in RUNS for file in run_files(CONFIG, *run)),
     *[
         f"results/figures/{figure}.{kind}"
         for figure in FIGURES
         for kind in ("pdf", "png")
     ],
-    *[f"results/tables/{table}.csv" for table in CONFIG.tables],
+    *[
+        f"results/tables/{table}.{kind}"
+        for table in CONFIG.tables
+        for kind in ("csv", "md", "tex")
+    ],
 ]
+# A file that no rule reads is made again only where it is asked for: that is so of every record.
+TARGETS = [*RESULTS, *[f"{file}.json" for file in RESULTS]]
+
+limit_memory(workflow)
 
 
 include: "workflow/rules/forward.smk"
@@ -92,9 +107,7 @@ include: "workflow/rules/crate.smk"
 
 
 onstart:
-    # Snakemake's limit of submissions a second means nothing on one machine, but with one its scheduler wakes once a
-    # second for every job that has ever ended: after hundreds of jobs, a large share of a core.
-    workflow.scheduler.job_rate_limiter = None
+    lift_rate_limit(workflow)
 
 
 rule all:

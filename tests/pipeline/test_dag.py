@@ -4,7 +4,7 @@ import copy
 
 from hypernode.config.loading import check_config
 from hypernode.pipeline.dag import field_inputs, only_pretrained, previous_input, stage_file
-from tests.test_config import BASE
+from tests.config.test_config import BASE
 
 
 def config_with(**others):

@@ -6,4 +6,4 @@ with job(snakemake) as attributes:
     from hypernode.tables import runs as tables
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
-    tables.write_tables(list(snakemake.input), snakemake.params.settings, files, attributes)
+    tables.write_tables(list(snakemake.input.get("evaluations", [])), snakemake.params.settings, files, attributes)
