@@ -78,7 +78,7 @@ localrules:
     table,
 
 
-RESULTS = [
+TARGETS = [
     *dict.fromkeys(file for run in RUNS for file in run_files(CONFIG, *run)),
     *[
         f"results/figures/{figure}.{kind}"
@@ -91,8 +91,6 @@ RESULTS = [
         for kind in ("csv", "md", "tex")
     ],
 ]
-# A file that no rule reads is made again only where it is asked for: that is so of every record.
-TARGETS = [*RESULTS, *[f"{file}.json" for file in RESULTS]]
 
 limit_memory(workflow)
 
@@ -114,4 +112,6 @@ rule all:
     default_target: True
     input:
         TARGETS,
+        # No rule reads a record, and one that is gone is made again only where it is asked for.
+        [f"{file}.json" for file in TARGETS],
         "results/ro-crate-metadata.json",

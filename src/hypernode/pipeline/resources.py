@@ -49,7 +49,7 @@ class Need:
 #: Rule -> what it takes: a third more memory than any job was measured to take, three times its time, on one core.
 NEEDS = {
     "true_material": Need(400, a_cell=4),
-    "forward": Need(500, a_cell=12, minutes_a_state=0.2),
+    "forward": Need(500, a_cell=22, minutes_a_state=0.2),
     "measurement": Need(300, a_state=1),
     "import_dic": Need(500, a_state=2),
     # A factor of the stiffness of every load step is kept, and so are the directions of conjugate gradients.
@@ -63,8 +63,8 @@ NEEDS = {
     "training": Need(800, a_state=15, a_pair=40, minutes=30),
     "baseline": Need(600, a_state=20),
     "evaluation": Need(700, a_state=20),
-    "validation": Need(700, a_cell=20, minutes_a_state=0.3),
-    "references": Need(700, a_cell=20, minutes_a_state=0.3),
+    "validation": Need(700, a_cell=22, minutes_a_state=0.3),
+    "references": Need(700, a_cell=22, minutes_a_state=0.3),
     "figure": Need(700, minutes=3),
     "table": Need(300, minutes=3),
     "crate": Need(500, minutes=10),
