@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from rocrate_validator.services import validate
 from rocrate_validator.utils.http import HttpRequester
 
 import hypernode
+from hypernode.pipeline.scheduling import SHARE, machine_memory
 from hypernode.storage.audit import lineage, result_files, verify
 from hypernode.storage.netcdf import sha256
 from hypernode.storage.provenance import code_hash, modules_used
@@ -54,6 +56,12 @@ def problems_of_crate(folder, monkeypatch):
     return [issue.message for issue in validate(settings).get_issues(Severity.REQUIRED)]
 
 
+def declared(plan, *keys):
+    """The files that the jobs of a dry run name after some words, such as ``output:``."""
+    lines = [line.split() for line in plan.splitlines()]
+    return {name.strip(",") for words in lines if words[:1] and words[0] in keys for name in words[1:]}
+
+
 @pytest.fixture(scope="module")
 def smoke(request, tmp_path_factory):
     if not request.config.getoption("--smoke"):
@@ -79,6 +87,28 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     idle = {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in ("initialised", "pretrained")}
     assert not idle & names, "stages without iterations are left out"
     assert not [name for name in names if ".tmp" in name]
+
+
+def test_nothing_lies_in_the_results_that_no_rule_declares(smoke):
+    plan = snakemake(smoke, "--dry-run", "--forceall").stdout
+    wanted = declared(plan, "output:", "log:", "benchmark:")
+    found = {str(p.relative_to(smoke)) for p in (smoke / "results").rglob("*") if p.is_file()}
+    assert {"results/disc/forward.nc.json", "results/tables/timing.csv.json"} <= wanted <= found
+    # The crate keeps records of its own of itself and of the definition.
+    of_crate = ("results/definition/", "results/ro-crate-metadata.json")
+    assert {name for name in found - wanted if not name.startswith(of_crate)} == set()
+
+
+def test_a_record_that_is_gone_is_made_again(smoke, tmp_path):
+    shutil.copytree(smoke, tmp_path / "copy")
+    record = tmp_path / "copy/results/seen/homogeneous/evaluation.nc.json"
+    record.unlink()
+    (tmp_path / "copy/results/pierced/forward.nc.json").unlink()
+    plan = snakemake(tmp_path / "copy", "--dry-run").stdout
+    assert {"results/pierced/forward.nc.json", str(record.relative_to(tmp_path / "copy"))} <= declared(plan, "output:")
+    done = snakemake(tmp_path / "copy", str(record.relative_to(tmp_path / "copy")))
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert read_record(record.with_suffix(""))["rule"] == "evaluation"
 
 
 def test_the_summary_has_numbers_for_every_run(smoke):
@@ -218,7 +248,7 @@ def test_editing_one_method_stage_keeps_the_earlier_ones(smoke, tmp_path):
     config["methods"]["tiny"]["training"] = {"equilibrium": "equilibrated", "iterations": 60}
     (tmp_path / "edited.yaml").write_text(yaml.safe_dump(config))
     full = snakemake(smoke, "--dry-run", config=tmp_path / "edited.yaml").stdout
-    outputs = [line.split()[1] for line in full.splitlines() if line.strip().startswith("output:")]
+    outputs = declared(full, "output:")
     assert "results/disc/tiny/material.nc" in outputs
     assert not [o for o in outputs if "interpolant" in o or "forward" in o or "tiny_pointwise" in o]
 
@@ -255,6 +285,16 @@ def test_a_wrong_configuration_stops_before_any_job_without_traceback(tmp_path):
     assert "did you mean 'radius'" in failed.stderr + failed.stdout
     assert "Traceback" not in failed.stderr + failed.stdout
     assert not (tmp_path / "results").exists()
+
+
+def test_a_job_that_is_too_large_for_the_machine_asks_for_all_of_it(tmp_path):
+    config = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    config["cases"]["disc"]["cells"] = [3000, 3000]
+    (tmp_path / "c.yaml").write_text(yaml.safe_dump(config))
+    plan = snakemake(tmp_path, "--dry-run", config=tmp_path / "c.yaml")
+    assert plan.returncode == 0, plan.stderr[-2000:]
+    asked = {int(value) for value in re.findall(r"mem_mb=(\d+)", plan.stdout)}
+    assert max(asked) == int(SHARE * machine_memory()) and len(asked) > 10
 
 
 def test_an_absent_specimen_is_left_out_in_one_line(tmp_path):
