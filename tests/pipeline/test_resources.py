@@ -34,7 +34,7 @@ MEASURED = [
     ("validation", 2500, 5, 566, 8),
     ("references", 1600, 5, 584, 23),
     ("training", 2500, 4, 670, 68),
-    ("training", 10000, 4, 2800, 300),
+    ("training", 10000, 4, 3500, 300),
     ("import_dic", 1600, 5, 303, 8),
     ("figure", 0, 0, 476, 9),
     ("table", 0, 0, 84, 5),

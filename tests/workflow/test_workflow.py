@@ -56,6 +56,12 @@ def problems_of_crate(folder, monkeypatch):
     return [issue.message for issue in validate(settings).get_issues(Severity.REQUIRED)]
 
 
+def summary_of(path):
+    """The numbers that an evaluation or a validation sums up."""
+    with xr.open_dataset(path, decode_times=False) as data:
+        return json.loads(data.attrs["summary"])
+
+
 def declared(plan, *keys):
     """The files that the jobs of a dry run name after some words, such as ``output:``."""
     lines = [line.split() for line in plan.splitlines()]
@@ -111,13 +117,59 @@ def test_a_record_that_is_gone_is_made_again(smoke, tmp_path):
     assert read_record(record.with_suffix(""))["rule"] == "evaluation"
 
 
-def test_the_summary_has_numbers_for_every_run(smoke):
+def test_the_summary_has_a_row_for_every_run(smoke):
     rows = (smoke / "results/tables/summary.csv").read_text().splitlines()
     cases = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())["cases"].values()
     assert len(rows) == 1 + sum(len(case["methods"]) for case in cases)
-    assert all(0 < float(row.split(",")[2]) < 1 for row in rows[1:])
-    groups = (smoke / "results/tables/groups.csv").read_text().splitlines()
-    assert groups[1].startswith("all methods,4,mean,0.")
+
+
+#: Run -> what its evaluation says -> the least and the most that it may be. Networks of twelve neurons that train for
+#: seconds are far from the truth, but nearer than one material for the whole sheet (0.30 and more); fields that are
+#: identified without networks are near it.
+BOUNDS = {
+    "disc/tiny": {"stress_error": (0.15, 0.27), "dice": (0.87, 1.0)},
+    "disc/tiny_icnn": {"stress_error": (0.15, 0.25), "dice": (0.85, 1.0)},
+    "disc/tiny_pointwise": {"stress_error": (0.25, 0.36), "dice": (0.50, 1.0)},
+    "disc/tiny_constrained": {"stress_error": (0.25, 0.38), "stress_error_constrained": (0.0, 0.01)},
+    "pierced/tiny_constrained": {"stress_error": (0.25, 0.40), "stress_error_constrained": (0.0, 0.26)},
+    "seen/tiny_constrained": {"stress_error": (0.25, 0.38), "stress_error_constrained": (0.0, 0.07)},
+    "seen/homogeneous": {"stress_error": (0.30, 0.31), "dice": (0.0, 0.0)},
+    "seen/equilibrium_gap": {"stress_error": (0.0, 0.08), "dice": (0.98, 1.0)},
+    "seen/updating": {"stress_error": (0.15, 0.22), "dice": (0.98, 1.0)},
+}
+
+
+def test_every_run_is_as_near_the_truth_as_its_method_comes_in_so_short_a_time(smoke):
+    files = {"/".join(p.parts[-3:-1]): p for p in (smoke / "results").rglob("evaluation.nc")}
+    assert set(files) == set(BOUNDS)
+    for run, bounds in BOUNDS.items():
+        summary = summary_of(files[run])
+        for key, (least, most) in bounds.items():
+            assert least <= summary[key] <= most, (run, key, summary[key])
+
+
+def test_an_identified_material_carries_a_load_that_it_never_saw(smoke):
+    summary = summary_of(smoke / "results/disc/tiny/validation.nc")
+    assert summary["unseen_without_equilibrium"] == 0
+    assert 0 < summary["unseen_displacement_error"] < 0.04
+    assert 0 < summary["unseen_force_error"] < 0.03
+
+
+#: Stage -> the largest share of its first loss that its last one may be. Initialisation starts at its aim, so that it
+#: may only not leave it; the others learn.
+LEFT = {"constrained": 0.45, "interpolant": 0.03, "homogenised": 0.5, "pretrained": 0.95, "material": 1.1}
+
+
+def test_every_stage_that_learns_lowers_its_loss(smoke):
+    seen = set()
+    for path in (smoke / "results").rglob("*.nc"):
+        with xr.open_dataset(path, decode_times=False) as data:
+            if path.stem not in LEFT or "loss" not in data:
+                continue
+            loss = data["loss"].values.ravel()
+        seen.add(path.stem)
+        assert np.isfinite(loss).all() and loss[-1] <= LEFT[path.stem] * loss[0], (path, loss[0], loss[-1])
+    assert seen == set(LEFT)
 
 
 def test_every_result_passes_the_audit_and_a_figure_leads_to_the_seed(smoke):
