@@ -23,7 +23,7 @@ MEASURED = [
     ("constrained", 2500, 15, 1409, 167),
     ("constrained", 10000, 4, 2900, 212),
     ("constrained", 40000, 4, 10300, 1080),
-    ("constrained", 14400, 5, 1946, 130),
+    ("constrained", 14400, 4, 2986, 730),
     ("gradient", 10000, 4, 117, 2),
     ("interpolant", 10000, 4, 439, 66),
     ("homogenised", 2500, 4, 636, 62),
