@@ -21,7 +21,7 @@ lint: $(VENV)/dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
-	$(BIN)/snakemake --lint
+	$(BIN)/python -m pytest -q tests/workflow/test_lint.py
 
 unit: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile tests

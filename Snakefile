@@ -11,28 +11,32 @@ from hypernode.config.command_line import run_config
 from hypernode.config.errors import ConfigError
 from hypernode.config.slices import slice_for
 from hypernode.pipeline.dag import (
-    code_params,
     field_inputs,
-    figure_inputs,
-    figure_runs,
-    image_files,
     method_settings,
     only_pretrained,
     present_cases,
     previous_input,
+    run_files,
+    stage_file,
+)
+from hypernode.pipeline.resources import memory, runtime
+from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory
+from hypernode.pipeline.shown import (
+    figure_inputs,
+    figure_runs,
+    table_inputs,
+    table_settings,
+)
+from hypernode.pipeline.sources import (
+    code_params,
+    image_files,
     printed_input,
     reference_inputs,
     specimen_files,
-    stage_file,
-    table_inputs,
-    table_settings,
     truth_input,
 )
 
 min_version("9.27")
-
-
-container: "docker://python:3.11"
 
 
 try:
@@ -65,10 +69,13 @@ wildcard_constraints:
 
 localrules:
     all,
+    crate,
+    figure,
+    table,
 
 
 TARGETS = [
-    *[f"results/{case}/{method}/evaluation.nc" for case, method in RUNS],
+    *dict.fromkeys(file for run in RUNS for file in run_files(CONFIG, *run)),
     *[
         f"results/figures/{figure}.{kind}"
         for figure in FIGURES
@@ -81,6 +88,8 @@ TARGETS = [
     ],
 ]
 
+limit_memory(workflow)
+
 
 include: "workflow/rules/forward.smk"
 include: "workflow/rules/measurement.smk"
@@ -92,13 +101,13 @@ include: "workflow/rules/crate.smk"
 
 
 onstart:
-    # Snakemake's limit of submissions a second means nothing on one machine, but with one its scheduler wakes once a
-    # second for every job that has ever ended: after hundreds of jobs, a large share of a core.
-    workflow.scheduler.job_rate_limiter = None
+    lift_rate_limit(workflow)
 
 
 rule all:
     default_target: True
     input:
         TARGETS,
+        # No rule reads a record, and one that is gone is made again only where it is asked for.
+        [f"{file}.json" for file in TARGETS],
         "results/ro-crate-metadata.json",

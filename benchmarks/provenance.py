@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from hypernode.pipeline.dag import code_params
+from hypernode.pipeline.sources import code_params
 from hypernode.storage.netcdf import ancestry
 from hypernode.storage.provenance import describe
 from hypernode.storage.records import check_digest, make_record, read_record, sha256, source_state

@@ -21,15 +21,7 @@ PUBLISHED_STEPS = 40_000
 
 def stages(config, case: str, method_name: str, measurement: str, folder: Path):
     """(name, double precision, function) of every stage of a method, in order."""
-    from hypernode.stages import (
-        constrained,
-        gradient,
-        homogenised,
-        initialisation,
-        interpolant,
-        pretraining,
-        training,
-    )
+    from hypernode.stages import constrained, gradient, homogenised, initialisation, interpolant, pretraining, training
 
     method = config.methods[method_name]
     attributes = {"rule": "benchmark"}

@@ -11,10 +11,15 @@ rule evaluation:
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/evaluation.nc", non_empty=True),
+        record="results/{case}/{method}/evaluation.nc.json",
     log:
         "results/logs/{case}/{method}/evaluation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/evaluation.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "evaluation"),
+        runtime=runtime(CONFIG, "evaluation"),
     params:
         code=CODE["evaluation"],
         settings=lambda w: slice_for(
@@ -33,10 +38,15 @@ rule validation:
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/validation.nc", non_empty=True),
+        record="results/{case}/{method}/validation.nc.json",
     log:
         "results/logs/{case}/{method}/validation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/validation.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "validation"),
+        runtime=runtime(CONFIG, "validation"),
     params:
         code=CODE["validation"],
         settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("unseen_loads",)),
@@ -51,10 +61,15 @@ rule references:
         material="results/{case}/{method}/material.nc",
     output:
         ensure("results/{case}/{method}/references.nc", non_empty=True),
+        record="results/{case}/{method}/references.nc.json",
     log:
         "results/logs/{case}/{method}/references.log",
     benchmark:
         "results/benchmarks/{case}/{method}/references.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "references"),
+        runtime=runtime(CONFIG, "references"),
     params:
         code=CODE["references"],
         settings=lambda w: CONFIG.cases[w.case].references,

@@ -14,10 +14,15 @@ rule figure:
             category="Figures",
             labels={"figure": "{figure}", "format": "PNG"},
         ),
+        records=multiext("results/figures/{figure}", ".pdf.json", ".png.json"),
     log:
         "results/logs/figures/{figure}.log",
     benchmark:
         "results/benchmarks/figures/{figure}.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "figure"),
+        runtime=runtime(CONFIG, "figure"),
     params:
         code=CODE["figure"],
         settings=lambda w: FIGURES[w.figure].model_dump(mode="json"),
@@ -27,7 +32,7 @@ rule figure:
 
 rule table:
     input:
-        lambda w: table_inputs(CONFIG, w.table, RUNS, CASES),
+        unpack(lambda w: table_inputs(CONFIG, w.table, CASES)),
     output:
         csv=report(
             "results/tables/{table}.csv",
@@ -37,10 +42,15 @@ rule table:
         ),
         markdown="results/tables/{table}.md",
         latex="results/tables/{table}.tex",
+        records=multiext("results/tables/{table}", ".csv.json", ".md.json", ".tex.json"),
     log:
         "results/logs/tables/{table}.log",
     benchmark:
         "results/benchmarks/tables/{table}.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "table"),
+        runtime=runtime(CONFIG, "table"),
     params:
         code=CODE["table"],
         settings=lambda w: table_settings(CONFIG, w.table),

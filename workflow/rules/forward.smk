@@ -3,10 +3,17 @@ rule true_material:
         lambda w: image_files(CONFIG, w.case),
     output:
         ensure("results/{case}/true_material.nc", non_empty=True),
+        record="results/{case}/true_material.nc.json",
     log:
         "results/logs/{case}/true_material.log",
     benchmark:
         "results/benchmarks/{case}/true_material.jsonl"
+    group:
+        "sheet"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "true_material"),
+        runtime=runtime(CONFIG, "true_material"),
     params:
         code=CODE["true_material"],
         settings=lambda w: slice_for(
@@ -33,10 +40,17 @@ rule forward:
         "results/{case}/true_material.nc",
     output:
         ensure("results/{case}/forward.nc", non_empty=True),
+        record="results/{case}/forward.nc.json",
     log:
         "results/logs/{case}/forward.log",
     benchmark:
         "results/benchmarks/{case}/forward.jsonl"
+    group:
+        "sheet"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "forward"),
+        runtime=runtime(CONFIG, "forward"),
     params:
         code=CODE["forward"],
         settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("loads",)),

@@ -3,10 +3,17 @@ rule constrained:
         "results/{case}/measurement.nc",
     output:
         ensure("results/{case}/{method}/constrained.nc", non_empty=True),
+        record="results/{case}/{method}/constrained.nc.json",
     log:
         "results/logs/{case}/{method}/constrained.log",
     benchmark:
         "results/benchmarks/{case}/{method}/constrained.jsonl"
+    group:
+        "field"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "constrained"),
+        runtime=runtime(CONFIG, "constrained"),
     params:
         code=CODE["constrained"],
         settings=lambda w: method_settings(CONFIG, w.method, "constrained"),
@@ -23,10 +30,17 @@ rule gradient:
         ),
     output:
         ensure("results/{case}/{method}/gradient.nc", non_empty=True),
+        record="results/{case}/{method}/gradient.nc.json",
     log:
         "results/logs/{case}/{method}/gradient.log",
     benchmark:
         "results/benchmarks/{case}/{method}/gradient.jsonl"
+    group:
+        "field"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "gradient"),
+        runtime=runtime(CONFIG, "gradient"),
     params:
         code=CODE["gradient"],
         settings=lambda w: method_settings(CONFIG, w.method, "gradient"),
@@ -39,10 +53,15 @@ rule interpolant:
         lambda w: stage_file(CONFIG, w.case, w.method, "gradient"),
     output:
         ensure("results/{case}/{method}/interpolant.nc", non_empty=True),
+        record="results/{case}/{method}/interpolant.nc.json",
     log:
         "results/logs/{case}/{method}/interpolant.log",
     benchmark:
         "results/benchmarks/{case}/{method}/interpolant.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "interpolant"),
+        runtime=runtime(CONFIG, "interpolant"),
     params:
         code=CODE["interpolant"],
         settings=lambda w: method_settings(CONFIG, w.method, "interpolant"),

@@ -6,10 +6,15 @@ rule homogenised:
         unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
     output:
         ensure("results/{case}/{method}/homogenised.nc", non_empty=True),
+        record="results/{case}/{method}/homogenised.nc.json",
     log:
         "results/logs/{case}/{method}/homogenised.log",
     benchmark:
         "results/benchmarks/{case}/{method}/homogenised.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "homogenised"),
+        runtime=runtime(CONFIG, "homogenised"),
     params:
         code=CODE["homogenised"],
         settings=lambda w: method_settings(CONFIG, w.method, "homogenised"),
@@ -26,10 +31,15 @@ rule initialisation:
         ),
     output:
         ensure("results/{case}/{method}/initialised.nc", non_empty=True),
+        record="results/{case}/{method}/initialised.nc.json",
     log:
         "results/logs/{case}/{method}/initialisation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/initialisation.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "initialisation"),
+        runtime=runtime(CONFIG, "initialisation"),
     params:
         code=CODE["initialisation"],
         settings=lambda w: method_settings(CONFIG, w.method, "initialised"),
@@ -43,10 +53,17 @@ rule pretraining:
         unpack(lambda w: previous_input(CONFIG, w.case, w.method, "pretrained")),
     output:
         ensure("results/{case}/{method}/pretrained.nc", non_empty=True),
+        record="results/{case}/{method}/pretrained.nc.json",
     log:
         "results/logs/{case}/{method}/pretraining.log",
     benchmark:
         "results/benchmarks/{case}/{method}/pretraining.jsonl"
+    wildcard_constraints:
+        method="|".join(map(re.escape, FULLY_TRAINED)) or "none",
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "pretraining"),
+        runtime=runtime(CONFIG, "pretraining"),
     params:
         code=CODE["pretraining"],
         settings=lambda w: method_settings(CONFIG, w.method, "pretrained"),
@@ -58,6 +75,7 @@ rule pretraining:
 use rule pretraining as only_pretraining with:
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
+        record="results/{case}/{method}/material.nc.json",
     wildcard_constraints:
         method="|".join(map(re.escape, ONLY_PRETRAINED)) or "none",
 
@@ -68,12 +86,17 @@ rule training:
         unpack(lambda w: previous_input(CONFIG, w.case, w.method, "material")),
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
+        record="results/{case}/{method}/material.nc.json",
     log:
         "results/logs/{case}/{method}/training.log",
     benchmark:
         "results/benchmarks/{case}/{method}/training.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, FULLY_TRAINED)) or "none",
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "training"),
+        runtime=runtime(CONFIG, "training"),
     params:
         code=CODE["training"],
         settings=lambda w: method_settings(CONFIG, w.method, "material"),
@@ -90,12 +113,17 @@ rule baseline:
         ),
     output:
         ensure("results/{case}/{method}/material.nc", non_empty=True),
+        record="results/{case}/{method}/material.nc.json",
     log:
         "results/logs/{case}/{method}/baseline.log",
     benchmark:
         "results/benchmarks/{case}/{method}/baseline.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, BASELINES)) or "none",
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "baseline"),
+        runtime=runtime(CONFIG, "baseline"),
     params:
         code=CODE["baseline"],
         settings=lambda w: method_settings(CONFIG, w.method, "baseline"),

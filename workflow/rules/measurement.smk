@@ -3,12 +3,19 @@ rule measurement:
         "results/{case}/forward.nc",
     output:
         ensure("results/{case}/measurement.nc", non_empty=True),
+        record="results/{case}/measurement.nc.json",
     log:
         "results/logs/{case}/measurement.log",
     benchmark:
         "results/benchmarks/{case}/measurement.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, SYNTHETIC)) or "none",
+    group:
+        "sheet"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "measurement"),
+        runtime=runtime(CONFIG, "measurement"),
     params:
         code=CODE["measurement"],
         settings=lambda w: slice_for(
@@ -23,12 +30,17 @@ rule import_dic:
         lambda w: specimen_files(CONFIG, w.case),
     output:
         ensure("results/{case}/measurement.nc", non_empty=True),
+        record="results/{case}/measurement.nc.json",
     log:
         "results/logs/{case}/import_dic.log",
     benchmark:
         "results/benchmarks/{case}/import_dic.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, REAL)) or "none",
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "import_dic"),
+        runtime=runtime(CONFIG, "import_dic"),
     params:
         code=CODE["import_dic"],
         settings=lambda w: slice_for(CONFIG, w.case, ("specimens",), keys=("specimen",)),

@@ -1,4 +1,4 @@
-"""Stage 2 for a real test: import of a DIC folder."""
+"""Stage 2 of a specimen test: import of a DIC folder."""
 
 from hypernode.config.slices import from_slice
 from hypernode.pipeline.job import job

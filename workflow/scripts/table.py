@@ -7,5 +7,6 @@ with job(snakemake) as attributes:
     from hypernode.tables.writing import write_table
 
     files = {"csv": snakemake.output.csv, "markdown": snakemake.output.markdown, "latex": snakemake.output.latex}
-    sources = list(snakemake.input)
-    write_table(build_table(sources, snakemake.params.settings), files, attributes, sources)
+    results, benchmarks = (list(snakemake.input.get(key, [])) for key in ("results", "benchmarks"))
+    table = build_table(benchmarks or results, snakemake.params.settings)
+    write_table(table, files, attributes, results, raw_inputs=benchmarks)

@@ -1,18 +1,13 @@
-"""What the Snakefile needs to know of a configuration: which cases run, from which files, with which code."""
+"""The graph of the stages: which cases run, which stages a run passes, and which files it shares with others."""
 
-from fnmatch import fnmatch
 from pathlib import Path
 
 from hypernode.config.model import Config
-from hypernode.config.outputs import Figure
-from hypernode.config.slices import case_geometries, in_fixed_order
-from hypernode.dic.davis import frame_files
-from hypernode.dic.errors import DicError
-from hypernode.storage.provenance import code_hash
+from hypernode.config.slices import in_fixed_order
 
 
 def present_cases(config: Config) -> tuple[list[str], list[str]]:
-    """(cases that can run, a line for each that cannot, since its specimen is optional and has no folder here)."""
+    """(cases that can run, a line for each specimen whose folder is absent)."""
     present, absent = [], []
     for name, case in config.cases.items():
         specimen = config.specimens.get(case.specimen) if case.specimen else None
@@ -22,28 +17,6 @@ def present_cases(config: Config) -> tuple[list[str], list[str]]:
         else:
             present.append(name)
     return present, absent
-
-
-def code_params(scripts: Path) -> dict[str, str]:
-    """Rule -> hash of its script and of the modules that it imports."""
-    return {script.stem: code_hash(script) for script in sorted(scripts.glob("*.py"))}
-
-
-def specimen_files(config: Config, name: str) -> list[str]:
-    """Raw files of a specimen: every frame and the force record."""
-    specimen = config.specimens[config.cases[name].specimen]
-    folder = Path(specimen.folder)
-    try:
-        frames = frame_files(folder)
-    except DicError as error:
-        raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
-    return [*map(str, frames.values()), str(folder / specimen.force_file)]
-
-
-def image_files(config: Config, name: str) -> list[str]:
-    """The images that a synthetic case's geometries are drawn in, if any."""
-    geometries = [config.geometries[key] for key in case_geometries(config.cases[name])]
-    return [geometry.path for geometry in geometries if geometry.shape == "image"]
 
 
 #: Stage -> the parts of a method that it uses, in the order in which the stages follow one another. The first part
@@ -58,8 +31,12 @@ STAGE_SETTINGS = {
     "material": ("hypernetwork", "training", "prior_weight", "seed"),
     "baseline": ("baseline", "seed"),
 }
+
+
 #: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
 NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}
+
+
 #: Stages whose file methods share where all that decides it is the same.
 SHARED = tuple(STAGE_SETTINGS)[: tuple(STAGE_SETTINGS).index("pretrained") + 1]
 
@@ -90,6 +67,43 @@ def only_pretrained(config: Config, method: str) -> bool:
     return bool(settings.pretraining and settings.pretraining.iterations and not settings.training.iterations)
 
 
+def run_stages(config: Config, method: str) -> list[str]:
+    """The stages that a run passes up to its material, in their order."""
+    settings = config.methods[method]
+    fields = ["constrained"] * (settings.constrained is not None) + ["gradient"]
+    if settings.baseline:
+        return [*fields, "material"]
+    before = ["initialised"] if only_pretrained(config, method) else ["initialised", "pretrained"]
+    networks = [stage for stage in before if getattr(settings, NETWORK_STAGES[stage]).iterations]
+    return [*fields, *["interpolant"] * (settings.interpolant is not None), "homogenised", *networks, "material"]
+
+
+def run_files(config: Config, case: str, method: str) -> list[str]:
+    """Every result that a run leaves or shares, from the sheet to its evaluation."""
+    sheet = ["measurement"] if config.cases[case].specimen else ["true_material", "forward", "measurement"]
+    return [
+        *(f"results/{case}/{stage}.nc" for stage in sheet),
+        *(stage_file(config, case, method, stage) for stage in run_stages(config, method)),
+        f"results/{case}/{method}/evaluation.nc",
+    ]
+
+
+def run_benchmarks(config: Config, case: str, method: str) -> list[str]:
+    """The timing of every job of a run; that of a stage which it shares is with the run that it shares it with."""
+    settings = config.methods[method]
+    rules = {"initialised": "initialisation", "pretrained": "pretraining"}
+    rules["material"] = "training"
+    if settings.baseline:
+        rules["material"] = "baseline"
+    elif only_pretrained(config, method):
+        rules["material"] = "pretraining"
+    if config.cases[case].specimen:
+        rules["measurement"] = "import_dic"
+    files = [Path(file).relative_to("results") for file in run_files(config, case, method)]
+    own = [file for file in files if file.parts[1:-1] in ((), (method,))]
+    return [f"results/benchmarks/{file.parent}/{rules.get(file.stem, file.stem)}.jsonl" for file in own]
+
+
 def previous_input(config: Config, case: str, method: str, stage: str) -> dict[str, str]:
     """The hyper-network that a stage goes on with, as a named input.
 
@@ -118,86 +132,3 @@ def field_inputs(config: Config, case: str, method: str, *keys: str) -> dict[str
     files = {key: stage_file(config, case, method, stage) for key, stage in stages.items()}
     files["measurement"] = f"results/{case}/measurement.nc"
     return {key: files[key] for key in keys if key in files}
-
-
-def truth_input(config: Config, name: str) -> dict[str, str]:
-    """The true material of a synthetic case as a named input."""
-    return {} if config.cases[name].specimen else {"truth": f"results/{name}/true_material.nc"}
-
-
-def printed_input(config: Config, name: str) -> dict[str, str]:
-    """The image of a specimen's printed shape as a named input, where it is known."""
-    specimen = config.specimens.get(config.cases[name].specimen)
-    path = specimen.shape_image if specimen else None
-    return {"printed": path} if path and Path(path).is_file() else {}
-
-
-def reference_inputs(config: Config, name: str) -> dict[str, str]:
-    """Measurements of the sheets that consist of one phase of a specimen, by phase, and its own as ``identified``."""
-    sheets = {phase: f"results/{case}/measurement.nc" for phase, case in config.cases[name].references.items()}
-    return {**sheets, "identified": f"results/{name}/measurement.nc"}
-
-
-def _has_references(config: Config, case: str, present) -> bool:
-    needed = config.cases[case].references.values()
-    return bool(needed) and all(name in present for name in needed)
-
-
-def shown_runs(figure: Figure) -> list:
-    """The runs that a figure shows, each with a ``case`` and a ``method``."""
-    return figure.runs if figure.kind == "comparison" else [figure]
-
-
-def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
-    """Figures all of whose cases run."""
-    return {
-        name: figure
-        for name, figure in config.figures.items()
-        if all(run.case in cases for run in shown_runs(figure))
-        and (figure.kind != "references" or _has_references(config, figure.case, cases))
-    }
-
-
-def figure_inputs(config: Config, name: str) -> dict[str, str]:
-    """Named inputs of a figure."""
-    figure = config.figures[name]
-    if figure.kind == "comparison":
-        files = {f"run{k}": stage_file(config, r.case, r.method, r.stage) for k, r in enumerate(figure.runs)}
-        for index, run in enumerate(figure.runs):
-            files[f"evaluation{index}"] = f"results/{run.case}/{run.method}/evaluation.nc"
-            if not config.cases[run.case].specimen:
-                files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
-        return files
-    folder = f"results/{figure.case}/{figure.method}"
-    if figure.kind == "references":
-        return {"references": f"{folder}/references.nc", "evaluation": f"{folder}/evaluation.nc"}
-    files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
-    if figure.kind == "anisotropy":
-        files["material"] = f"{folder}/material.nc"
-    if figure.kind == "overview":
-        files["measurement"] = f"results/{figure.case}/measurement.nc"
-    return files
-
-
-def table_inputs(config: Config, name: str, runs: list[tuple[str, str]], cases: list[str]) -> list[str]:
-    """Result files of the runs in a table, of ``runs`` that there are; ``cases`` are those that are present."""
-    table = config.tables[name]
-    if table.kind == "settings":
-        return []
-    chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
-    # How a run ended stands in its evaluation, whatever the table shows.
-    stages = ["evaluation"]
-    if table.kind == "validation":
-        stages, chosen = ["validation", *stages], [run for run in chosen if config.cases[run[0]].unseen_loads]
-    if table.kind == "references":
-        stages, chosen = ["references", *stages], [run for run in chosen if _has_references(config, run[0], cases)]
-    return [f"results/{case}/{method}/{stage}.nc" for case, method in chosen for stage in stages]
-
-
-def table_settings(config: Config, name: str) -> dict:
-    """What the script that writes a table needs."""
-    table = config.tables[name]
-    if table.kind == "settings":
-        entries = {key: entry.model_dump(mode="json") for key, entry in getattr(config, table.section).items()}
-        return {"kind": "settings", "entries": entries}
-    return {"kind": table.kind, "columns": table.columns, "groups": table.groups}

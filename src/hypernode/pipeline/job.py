@@ -1,53 +1,21 @@
-"""How one job of the workflow runs: its cores, its log, its errors, its attributes.
+"""How one job of the workflow runs: its cores, its log, its errors, its end, its attributes.
 
-This module must be imported before JAX: it pins the process to as many CPUs as the job declares, so
-that XLA's thread pool has that size and two jobs on two cores do not fight.
+Enter :func:`job` before JAX is imported: it decides on how many CPUs and in which precision JAX computes.
 """
 
 import contextlib
 import ctypes
-import fcntl
 import os
 import signal
 import sys
-import tempfile
 import traceback
-from pathlib import Path
 
 from hypernode.errors import ExpectedError
 from hypernode.pipeline.compiler import set_up_compiler
+from hypernode.pipeline.cores import claimed_cores
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
-#: Kept open for the life of the process: closing a file gives its lock back.
-_held = []
-
-
-def claim_cores(count: int) -> list[int]:
-    """Pin this process to ``count`` CPUs that no other job of this user has claimed.
-
-    A claim is a lock on a file per CPU, which the kernel drops when the process ends, however it
-    ends. Where too few are free, the remaining ones are shared.
-    """
-    allowed = sorted(os.sched_getaffinity(0))
-    chosen = []
-    for cpu in allowed:
-        if len(chosen) == count:
-            break
-        path = Path(tempfile.gettempdir()) / f"hypernode-{os.getuid()}-cpu{cpu}.lock"
-        handle = open(path, "w")
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            handle.close()
-            continue
-        _held.append(handle)
-        chosen.append(cpu)
-    spare = [cpu for cpu in allowed if cpu not in chosen]
-    start = os.getpid() % max(len(spare), 1)
-    chosen += (spare[start:] + spare[:start])[: count - len(chosen)]
-    os.sched_setaffinity(0, chosen)
-    return chosen
 
 
 def die_with_parent() -> None:
@@ -94,18 +62,17 @@ def job(snakemake, float64: bool = False):
         The attributes that the job's output file carries.
     """
     die_with_parent()
-    claim_cores(snakemake.threads)
+    set_up_compiler(float64)
+    # Open until the process ends: the traceback of an error that nobody expected goes there as well.
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
-    set_up_compiler(float64)
-
-    try:
-        yield describe(
-            snakemake.rule, dict(snakemake.wildcards), snakemake.params.get("settings", {}), snakemake.params.code
-        )
-    except (ExpectedError, ValueError, OSError) as error:
-        where = ", ".join(f"{key} {value}" for key, value in snakemake.wildcards.items())
-        with contextlib.suppress(OSError):
-            traceback.print_exc(file=log)
-        print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)
-        sys.exit(1)
+    params, run = snakemake.params, dict(snakemake.wildcards)
+    with claimed_cores(snakemake.threads):
+        try:
+            yield describe(snakemake.rule, run, params.get("settings", {}), params.code)
+        except (ExpectedError, ValueError, OSError) as error:
+            where = ", ".join(f"{key} {value}" for key, value in run.items())
+            with contextlib.suppress(OSError):
+                traceback.print_exc(file=log)
+            print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)
+            sys.exit(1)

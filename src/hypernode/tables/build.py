@@ -11,7 +11,7 @@ def build_table(files: list[str], settings: dict) -> Table:
     """The table of a kind.
 
     Args:
-        files: result files of the runs in it.
+        files: result files of the runs in it, or benchmark records of the jobs.
         settings: ``kind`` (runs, validation, references, ensemble, timing or settings), with ``columns`` and
             ``groups``, or ``entries``.
     """

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from hypernode.storage.netcdf import write_bytes_atomically
+from hypernode.storage.netcdf import sha256, write_bytes_atomically
 from hypernode.tables.table import Table
 
 #: Characters beyond which a column of text breaks its lines.
@@ -55,18 +55,20 @@ def latex_text(table: Table) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_table(table: Table, files: Mapping[str, str], provenance: dict, parents: list[str]) -> None:
+def write_table(table: Table, files: Mapping[str, str], provenance: dict, parents: list[str], raw_inputs=()) -> None:
     """Write a table in every format.
 
     Args:
         table: what to write.
         files: ``csv``, ``markdown`` and ``latex``: paths.
         provenance: what the job says of itself.
-        parents: files that its numbers come from.
+        parents: result files that its numbers come from.
+        raw_inputs: other files that they come from.
 
     Raises:
         StorageError: the disk refuses.
     """
+    provenance = {**provenance, "raw_inputs": {path: sha256(path) for path in raw_inputs}}
     for kind, text in (("csv", csv_text), ("markdown", markdown_text), ("latex", latex_text)):
         content = text(table)
         write_bytes_atomically(

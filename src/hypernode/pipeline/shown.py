@@ -1,0 +1,81 @@
+"""What figures and tables are made from: which runs each of them shows, and the files of those runs."""
+
+from fnmatch import fnmatch
+
+from hypernode.config.model import Config
+from hypernode.config.outputs import Figure
+from hypernode.pipeline.dag import run_benchmarks, stage_file
+from hypernode.pipeline.sources import truth_input
+
+
+def _has_references(config: Config, case: str, present) -> bool:
+    needed = config.cases[case].references.values()
+    return bool(needed) and all(name in present for name in needed)
+
+
+def shown_runs(figure: Figure) -> list:
+    """The runs that a figure shows, each with a ``case`` and a ``method``."""
+    return figure.runs if figure.kind == "comparison" else [figure]
+
+
+def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
+    """Figures all of whose cases run."""
+    return {
+        name: figure
+        for name, figure in config.figures.items()
+        if all(run.case in cases for run in shown_runs(figure))
+        and (figure.kind != "references" or _has_references(config, figure.case, cases))
+    }
+
+
+def figure_inputs(config: Config, name: str) -> dict[str, str]:
+    """Named inputs of a figure."""
+    figure = config.figures[name]
+    if figure.kind == "comparison":
+        files = {f"run{k}": stage_file(config, r.case, r.method, r.stage) for k, r in enumerate(figure.runs)}
+        for index, run in enumerate(figure.runs):
+            files[f"evaluation{index}"] = f"results/{run.case}/{run.method}/evaluation.nc"
+            if not config.cases[run.case].specimen:
+                files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
+        return files
+    folder = f"results/{figure.case}/{figure.method}"
+    if figure.kind == "references":
+        return {"references": f"{folder}/references.nc", "evaluation": f"{folder}/evaluation.nc"}
+    files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
+    if figure.kind == "anisotropy":
+        files["material"] = f"{folder}/material.nc"
+    if figure.kind == "overview":
+        files["measurement"] = f"results/{figure.case}/measurement.nc"
+    return files
+
+
+def table_inputs(config: Config, name: str, cases: list[str]) -> dict[str, list[str]]:
+    """Named inputs of a table: ``results`` of its runs and, for one of times, their ``benchmarks``.
+
+    Args:
+        cases: the cases that run.
+    """
+    table = config.tables[name]
+    if table.kind == "settings":
+        return {}
+    runs = [(case, method) for case in cases for method in config.cases[case].methods]
+    chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
+    # How a run ended stands in its evaluation, whatever the table shows.
+    stages = ["evaluation"]
+    if table.kind == "validation":
+        stages, chosen = ["validation", *stages], [run for run in chosen if config.cases[run[0]].unseen_loads]
+    if table.kind == "references":
+        stages, chosen = ["references", *stages], [run for run in chosen if _has_references(config, run[0], cases)]
+    inputs = {"results": [f"results/{case}/{method}/{stage}.nc" for case, method in chosen for stage in stages]}
+    if table.kind == "timing":
+        inputs["benchmarks"] = list(dict.fromkeys(file for run in chosen for file in run_benchmarks(config, *run)))
+    return inputs
+
+
+def table_settings(config: Config, name: str) -> dict:
+    """What the script that writes a table needs."""
+    table = config.tables[name]
+    if table.kind == "settings":
+        entries = {key: entry.model_dump(mode="json") for key, entry in getattr(config, table.section).items()}
+        return {"kind": "settings", "entries": entries}
+    return {"kind": table.kind, "columns": table.columns, "groups": table.groups}

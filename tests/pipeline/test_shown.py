@@ -1,0 +1,50 @@
+"""Tables and figures name all that they read, and a run names all that it leaves."""
+
+from hypernode.config.loading import check_config
+from hypernode.pipeline.dag import run_benchmarks, run_files, run_stages
+from hypernode.pipeline.shown import table_inputs
+from tests.pipeline.test_dag import config_with
+
+
+def test_a_run_leaves_the_files_of_its_stages_and_of_those_that_it_shares():
+    config = config_with(longer={"training": {"iterations": 9}})
+    files = run_files(config, "a", "longer")
+    assert files[:3] == ["results/a/true_material.nc", "results/a/forward.nc", "results/a/measurement.nc"]
+    assert files[-2:] == ["results/a/longer/material.nc", "results/a/longer/evaluation.nc"]
+    assert "results/a/m/pretrained.nc" in files and "results/a/longer/pretrained.nc" not in files
+
+
+def test_a_run_passes_no_stage_that_it_does_not_have():
+    idle = {"iterations": 0}
+    config = config_with(
+        short={"training": idle, "initialisation": idle, "interpolant": None},
+        plain={"baseline": "homogeneous"},
+    )
+    assert run_stages(config, "m") == [
+        "gradient", "interpolant", "homogenised", "initialised", "pretrained", "material"
+    ]  # fmt: skip
+    assert run_stages(config, "short") == ["gradient", "homogenised", "material"]
+    assert run_stages(config, "plain") == ["gradient", "material"]
+
+
+def test_the_time_of_a_shared_stage_is_that_of_the_run_that_computed_it():
+    config = config_with(longer={"training": {"iterations": 9}}, short={"training": {"iterations": 0}})
+    folder = "results/benchmarks/a"
+    sheet = [f"{folder}/{stage}.jsonl" for stage in ("true_material", "forward", "measurement")]
+    assert run_benchmarks(config, "a", "longer") == [
+        *sheet, f"{folder}/longer/training.jsonl", f"{folder}/longer/evaluation.jsonl"
+    ]  # fmt: skip
+    assert f"{folder}/m/initialisation.jsonl" in run_benchmarks(config, "a", "m")
+    assert f"{folder}/short/pretraining.jsonl" in run_benchmarks(config, "a", "short")
+
+
+def test_a_table_of_times_reads_the_benchmarks_of_its_runs_and_other_tables_none():
+    raw = config_with(longer={"training": {"iterations": 9}}).model_dump()
+    raw["tables"] = {"times": {"kind": "timing", "runs": ["a/longer"]}, "errors": {"runs": ["a/*"]}}
+    config = check_config(raw)
+    times = table_inputs(config, "times", ["a"])
+    assert times["results"] == ["results/a/longer/evaluation.nc"]
+    assert times["benchmarks"] == run_benchmarks(config, "a", "longer")
+    assert table_inputs(config, "errors", ["a"]) == {
+        "results": ["results/a/m/evaluation.nc", "results/a/longer/evaluation.nc"]
+    }
