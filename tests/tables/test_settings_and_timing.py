@@ -38,10 +38,11 @@ def test_costs_are_those_of_the_records(tmp_path):
     (records / "m").mkdir(parents=True)
     (records / "forward.jsonl").write_text(json.dumps({"s": 3.456789, "max_rss": 389.123}) + "\n")
     (records / "m/training.jsonl").write_text(json.dumps({"s": 0.12, "max_rss": "NA"}) + "\n")
-    table = build_table([str(tmp_path / "disc/m/evaluation.nc")], {"kind": "timing"})
-    assert csv_text(table).splitlines()[1:] == ["disc,m,forward,3.456789,389.123", "disc,m,training,0.12,"]
+    files = [str(records / name) for name in ("forward.jsonl", "m/training.jsonl")]
+    table = build_table(files, {"kind": "timing"})
+    assert csv_text(table).splitlines()[1:] == ["disc,(all),forward,3.456789,389.123", "disc,m,training,0.12,"]
     assert rows_of(markdown_text(table))[1:] == [
-        ["disc", "m", "forward", "3.46", "389"],
+        ["disc", "(all)", "forward", "3.46", "389"],
         ["disc", "m", "training", "0.120", ""],
     ]
 

@@ -20,6 +20,10 @@ rule crate:
         "results/logs/crate.log",
     benchmark:
         "results/benchmarks/crate.jsonl"
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "crate"),
+        runtime=runtime(CONFIG, "crate"),
     params:
         code=CODE["crate"],
     script:
