@@ -84,7 +84,8 @@ def case_size(config: Config, name: str | None) -> Size:
     case = config.cases[name]
     if case.specimen:
         specimen = config.specimens[case.specimen]
-        return Size(_lines(specimen_files(config, name)[0]), len(specimen.frames or specimen.stretches))
+        steps = len(specimen.frames or specimen.stretches or range(specimen.load_steps))
+        return Size(_lines(specimen_files(config, name)[0]), steps)
     grids = [case.cells, case.camera.cells] if case.camera else [case.cells]
     return Size(max(nx * ny for nx, ny in grids), sum(len(config.loads[load].stretches) for load in case.loads))
 
