@@ -16,6 +16,13 @@ rule crate:
         definition=[
             f"results/definition/{path.relative_to(ROOT)}" for path in DEFINITION
         ],
+        records=[
+            "results/ro-crate-metadata.json.json",
+            *(
+                f"results/definition/{path.relative_to(ROOT)}.json"
+                for path in DEFINITION
+            ),
+        ],
     log:
         "results/logs/crate.log",
     benchmark:
