@@ -14,6 +14,7 @@ from hypernode.storage.netcdf import write_bytes_atomically
 #: Okabe-Ito colours, told apart with any colour vision.
 MATRIX, INCLUSION, NEUTRAL, SECOND = "#0072B2", "#D55E00", "#444444", "#009E73"
 FIELD_MAP, STRAIN_MAP, ERROR_MAP, ANGLE_MAP = "viridis", "cividis", "magma", "twilight"
+
 RC = {
     "font.size": 8,
     "axes.titlesize": 8,
