@@ -9,7 +9,7 @@ from hypernode.data.loading import Loading
 from hypernode.fem.equilibrium_gap import relative_gap
 from hypernode.fem.gradient import deformation_gradient, mean_gradient
 from hypernode.identification.baselines import homogeneous_modulus
-from hypernode.identification.problem import FieldProblem
+from hypernode.identification.problem import field_problem
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import CONSTRAINED, make_load
 from tests.sheets import SCALE, sheet, square
@@ -60,10 +60,10 @@ def test_shear_alone_tells_a_modulus():
 @pytest.mark.parametrize("kind", ["shear", "clamped_x"])
 def test_a_homogeneous_sheet_that_clamps_bend_is_begun_as_what_it_is(kind):
     data, _, params = sheet(10, nowhere, make_load(kind, [1.05, 1.1, 1.15]))
-    problem = FieldProblem(data, Constrained(terms=["I1_squared", "I2"]))
+    problem = field_problem(data, Constrained(terms=["I1_squared", "I2"]))
     basis, own = problem.basis, ConvexBasis(("I1_squared",), SCALE)
     F = np.moveaxis([np.diag([1.1, 1.0]), np.diag([1.1, 1.1]), [[1.0, 0.1], [0.0, 1.0]]], 0, -1)
-    found = np.asarray(basis.stress(F, jnp.asarray(problem.homogeneous)[:, None]))
+    found = np.asarray(basis.stress(F, jnp.asarray(problem.homogeneous.params)[:, None]))
     true = np.asarray(own.stress(F, jnp.asarray(params[0])[:, None]))
     assert np.linalg.norm(found - true) < 0.03 * np.linalg.norm(true)
-    assert problem.force_misfit.max() < 1e-3
+    assert problem.homogeneous.force_misfit.max() < 1e-3
