@@ -1,4 +1,4 @@
-"""What a test says of a sheet: which displacements are prescribed, which are observed, how noisy they are, and forces."""
+"""What a test says of a sheet: prescribed displacements, observed ones and their noise, and forces."""
 
 import itertools
 from dataclasses import dataclass

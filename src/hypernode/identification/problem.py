@@ -84,7 +84,7 @@ class FieldProblem:
 
     @property
     def blurred(self) -> bool:
-        """Whether interfaces may lie anywhere, so that cells that they cut are in between, and no noise hides of what."""
+        """Whether interfaces may lie anywhere, so that cells that they cut are in between, and noise hides nothing."""
         return not self.noisy and self.observations.window > 0.0
 
     @property

@@ -49,8 +49,9 @@ class StepJacobian:
     """The Jacobian J (residual, parameter) of one load step at one material field.
 
     Residuals are the observed displacements of the step, then its forces, over their uncertainties. Errors of the
-    prescribed edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges' independent
-    errors. Its inverse root is I - U g U^T with the left singular vectors U of A and g = 1 - 1 / sqrt(1 + s^2).
+    prescribed edges, shared by all of the sheet, make their covariance I + A A^T with A the derivative by the edges'
+    independent errors. Its inverse root is I - U g U^T with the left singular vectors U of A and
+    g = 1 - 1 / sqrt(1 + s^2).
 
     Attributes:
         factor: factors of the free tangent stiffness.
