@@ -18,7 +18,7 @@ ALLOWED = {
     "config": {"errors", "mechanics", "networks", "tables"},
     "data": {"errors", "mechanics", "fem"},
     "material": {"errors", "mechanics", "networks", "config", "storage"},
-    "dic": {"errors", "progress", "mechanics", "fem", "config"},
+    "dic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},

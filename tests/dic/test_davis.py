@@ -9,6 +9,7 @@ from hypernode.config.loading import check_config
 from hypernode.dic.davis import read_series
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
+from hypernode.dic.specimen import import_test
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
 
@@ -131,7 +132,7 @@ def test_steps_chosen_by_stretch(folder, tmp_path):
     assert json.loads(data.attrs["frames"]) == [6, 11]
 
 
-def test_lost_points_are_masked(folder, tmp_path):
+def test_a_lost_point_is_missing_data_and_no_hole(folder, tmp_path):
     def lose(rows):
         x, y, *_ = rows[31].split(";")
         return [*rows[:31], f"{x};{y};0;0;0", *rows[32:]]
@@ -139,7 +140,25 @@ def test_lost_points_are_masked(folder, tmp_path):
     write_frame(folder, 11, 1.1, lose)
     data = imported(folder, tmp_path)
     assert json.loads(str(data.attrs["lost_points"])) == 1
-    assert data.sizes["node"] == 5 * 7 - 1 and data.sizes["cell"] == 4 * 6 - 4
+    assert data.sizes["node"] == 5 * 7 and data.sizes["cell"] == 4 * 6
+    lost = np.isnan(data["u_measured"].values[0]).any(axis=2)
+    assert lost.sum(axis=1).tolist() == [int(number == 11) for number in json.loads(data.attrs["frames"])]
+    assert np.isfinite(data["H"]).all()
+
+
+def test_a_frame_that_lost_most_of_its_points_is_refused(folder, tmp_path):
+    write_frame(
+        folder, 11, 1.1, lambda rows: [f"{';'.join(row.split(';')[:2])};0;0;0" for row in rows[:-3]] + rows[-3:]
+    )
+    with pytest.raises(DicError, match="frame 11 has lost 32 of 35 points"):
+        imported(folder, tmp_path)
+
+
+def test_a_hole_is_where_it_is_declared(folder, tmp_path):
+    specimen = config(folder).specimens["s"]
+    whole, pierced = import_test(specimen), import_test(specimen, lambda X: (np.abs(X - 0.5) < 0.2).all(axis=1) * 1.0)
+    assert len(pierced.mesh.cells) < len(whole.mesh.cells)
+    np.testing.assert_array_equal(pierced.u[0][0], whole.u[0][0])
 
 
 CORRUPTIONS = {

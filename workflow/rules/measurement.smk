@@ -43,6 +43,8 @@ rule import_dic:
         runtime=runtime(CONFIG, "import_dic"),
     params:
         code=CODE["import_dic"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("specimens",), keys=("specimen",)),
+        settings=lambda w: slice_for(
+            CONFIG, w.case, ("specimens", "geometries"), keys=("specimen", "hole")
+        ),
     script:
         "../scripts/import_dic.py"

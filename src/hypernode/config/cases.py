@@ -58,7 +58,7 @@ class Case(Sheet):
         synthetic = {"geometry": self.geometry, "matrix": self.matrix, "loads": self.loads or None}
         if self.specimen:
             given = [key for key, value in synthetic.items() if value]
-            if given or self.inclusion or self.noise or self.layers or self.hole or self.camera or self.unseen_loads:
+            if given or self.inclusion or self.noise or self.layers or self.camera or self.unseen_loads:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
         else:
             if self.references:

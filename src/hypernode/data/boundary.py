@@ -13,12 +13,15 @@ import scipy.linalg
 from jaxtyping import Bool, Float
 from scipy.optimize import minimize_scalar
 
+from hypernode.data.lost import along
 from hypernode.fem.mesh import EDGES, Mesh
 
 #: Bounds of the roughness's weight, over those at which the smoothest and the roughest mode are halved.
 WEIGHTS = 1e-4, 1e4
 #: Errors of a mode that are below this share of the noise are left out.
 SMALLEST_ERROR = 0.1
+#: Share of an edge's points that must be measured: what it does is read from them, and it should not be guessed.
+LEAST_MEASURED = 0.5
 
 
 @dataclass(frozen=True)
@@ -96,23 +99,41 @@ def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"]
     return modes @ (share * amounts), noise * modes[:, kept] * np.sqrt(share[kept])
 
 
+def _smoothed_edge(edge: str, x: Float[np.ndarray, " point"], u: Float[np.ndarray, " point"], noise: float):
+    """:func:`smoothed` of an edge's measured points, and what they say of the lost ones between and beside them."""
+    known = np.isfinite(u)
+    if known.all():
+        return smoothed(x, u, noise)
+    if known.sum() < max(2, LEAST_MEASURED * len(x)):
+        raise ValueError(
+            f"of the {edge} edge of the grid only {known.sum()} of {len(x)} points are measured, too few to prescribe "
+            "its displacement: drop more of the outermost points (edge_ring)"
+        )
+    values, modes = smoothed(x[known], u[known], noise)
+    between = along(x, x[known])
+    return between @ values, between @ modes
+
+
 def prescribed_displacement(
     mesh: Mesh, u: Float[np.ndarray, "node 2"], prescribed: Float[np.ndarray, "edge 2"], noise: float
 ) -> PrescribedDisplacement:
     """Prescribed displacements: the measured ones on every prescribed edge, smoothed along it.
 
-    Where two prescribed edges meet, their mean.
+    Where two prescribed edges meet, their mean. Lost points of an edge, NaN, move as their neighbours along it say.
 
     Args:
         prescribed: which components of which edges are prescribed.
         noise: standard deviation of ``u``.
+
+    Raises:
+        ValueError: of an edge less is measured than :data:`LEAST_MEASURED`.
     """
     total, count, errors = np.zeros_like(u), np.zeros_like(u), []
     for index, (edge, (axis, _)) in enumerate(EDGES.items()):
         on = np.flatnonzero(mesh.on_edge(edge))
         on = on[np.argsort(mesh.nodes[on, 1 - axis])]
         for i in np.flatnonzero(prescribed[index]):
-            values, modes = smoothed(mesh.nodes[on, 1 - axis], u[on, i], noise)
+            values, modes = _smoothed_edge(edge, mesh.nodes[on, 1 - axis], u[on, i], noise)
             total[on, i] += values
             count[on, i] += 1
             spread = np.zeros((*u.shape, modes.shape[1]))

@@ -19,6 +19,16 @@ def field_gradient(dataset: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
     return np.moveaxis(dataset[name].values, (2, 3), (0, 1))
 
 
+def measured_displacement(measurement: xr.Dataset) -> Float[np.ndarray, "step node 2"]:
+    """Mean over the repeats of the measured displacement, NaN where a point was lost in all of them."""
+    u = measurement["u_measured"].values
+    if not np.isnan(u).any():
+        return u.mean(axis=0)
+    known = np.isfinite(u)
+    total = np.where(known, u, 0.0).sum(axis=0)
+    return np.divide(total, known.sum(axis=0), out=np.full(total.shape, np.nan), where=known.any(axis=0))
+
+
 def displacement_noise(measurement: xr.Dataset) -> float:
     """Standard deviation of the mean over the repeats of the measured displacement."""
     return float(measurement.attrs["displacement_noise"]) / np.sqrt(measurement.sizes["repeat"])

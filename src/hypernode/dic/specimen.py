@@ -1,11 +1,13 @@
 """A real test: frames on one grid and a force record, as the measurement that an identification starts from."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hypernode.config.specimens import Specimen
+from hypernode.data.lost import filled
 from hypernode.dic.davis import Series, frame_files, read_series
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
@@ -19,6 +21,8 @@ from hypernode.progress import say
 _AXIS = {"clamped_x": 0, "clamped_y": 1}
 #: Fewest deformed frames from which the course of the stretch is known well enough to tell time from elasticity.
 _FRAMES_FOR_RELAXATION = 4
+#: Share of a frame's points that may be lost: beyond it, more is guessed than measured.
+MOST_LOST = 0.5
 #: Fewest samples of the force record for the same.
 _SAMPLES_FOR_RELAXATION = 20
 
@@ -144,16 +148,16 @@ class ImportedTest:
     """A real test on the mesh of its points, in mm, N and s, y upward.
 
     Attributes:
-        mesh: cells between points that are measured in every frame used.
+        mesh: cells between the points of the grid, but for a hole. A lost point is missing data, and no hole.
         numbers: of the frames used.
         time: of each since the start of the record (step,).
-        u: displacement since the reference (step, node, 2).
+        u: displacement since the reference (step, node, 2), NaN where a point was lost.
         H: mean displacement gradient (step, 2, 2).
         axis: along which the sheet is pulled.
         edge_force, constrained: resultant and whether the displacement is prescribed, by step, edge and component.
         relaxation: what of the force is a matter of time.
         field: corners of the whole measured field (2, 2), before the outermost points were dropped.
-        lost_points: how many points of the grid are lost in a frame used.
+        lost_points: how many points of the mesh are lost in a frame used.
         files: every file that was read.
     """
 
@@ -171,8 +175,12 @@ class ImportedTest:
     files: tuple[Path, ...]
 
 
-def import_test(specimen: Specimen) -> ImportedTest:
+def import_test(specimen: Specimen, hole: Callable | None = None) -> ImportedTest:
     """Read a specimen's frames and force record, the force interpolated at each frame's time.
+
+    Args:
+        hole: where there is no material: more than a half at positions (point, 2) in the unit square, which is
+            stretched over the measured field.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
@@ -187,7 +195,8 @@ def import_test(specimen: Specimen) -> ImportedTest:
     time = _frame_times(specimen, series, numbers)
     force = _force_at(time, numbers, record, force_path)
     used = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
-    mesh, u = _measured(folder, series, used, numbers, mm)
+    field = np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]])
+    mesh, u = _measured(series, numbers, mm, field, hole)
     edge_force, constrained = _edges(specimen, mesh, force)
     paths = frame_files(folder)
     return ImportedTest(
@@ -200,20 +209,23 @@ def import_test(specimen: Specimen) -> ImportedTest:
         edge_force,
         constrained,
         _relaxation(specimen, used, record),
-        np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]]),
-        int(used.lost.sum()),
+        field,
+        int(np.isnan(u).any(axis=(0, 2)).sum()),
         (force_path, *(paths[frame.number] for frame in full.frames)),
     )
 
 
-def _measured(folder: Path, series: Series, used: Series, numbers, mm: float):
-    """(mesh of the points that no frame used has lost, their displacement since the reference)."""
-    valid = ~used.lost
-    keep = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & valid[1:, 1:]
-    if not keep.any():
-        raise DicError(f"{folder}: no four neighbouring points are measured in all of the frames {numbers.tolist()}")
-    mesh = rectilinear(series.x * mm, series.y * mm, keep)
-    grid = np.stack(np.meshgrid(series.x * mm, series.y * mm), axis=-1).reshape(-1, 2)
+def _measured(series: Series, numbers, mm: float, field, hole: Callable | None):
+    """(mesh of the points, their displacement since the reference, NaN where they were lost)."""
+    x, y = series.x * mm, series.y * mm
+    keep = None
+    if hole is not None:
+        centres = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])), axis=-1).reshape(-1, 2)
+        keep = hole((centres - field[0]) / (field[1] - field[0])) <= 0.5
+        if not keep.any():
+            raise DicError("the hole leaves no cell of the grid")
+    mesh = rectilinear(x, y, keep)
+    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     place = _places(grid, mesh.nodes)
     by_number = {f.number: f.displacement for f in series.frames}
     u = np.stack([by_number[n].reshape(-1, 2)[place] * mm for n in numbers])
@@ -223,7 +235,13 @@ def _measured(folder: Path, series: Series, used: Series, numbers, mm: float):
 
 def _mean_H(folder: Path, mesh: Mesh, u, numbers) -> np.ndarray:
     """Mean displacement gradient of every step, where no frame folds the sheet over."""
-    F = deformation_gradient(mesh, u)
+    for number, lost in zip(numbers, np.isnan(u).any(axis=2), strict=True):
+        if lost.mean() > MOST_LOST:
+            raise DicError(
+                f"{folder}: frame {number} has lost {lost.sum()} of {len(lost)} points, too many to tell what is "
+                "between them: leave it out, or export it again"
+            )
+    F = deformation_gradient(mesh, filled(mesh, u))
     folded = (np.linalg.det(F) <= 0).any(axis=1)
     if folded.any():
         raise DicError(

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.data.lost import filled
+from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
@@ -89,7 +90,7 @@ def _at_both_deformations(files, found) -> Judgement:
     measurement = files["measurement"]
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
     deformations = {
-        "measured": deformation_gradient(mesh, measurement["u_measured"].values.mean(axis=0)),
+        "measured": deformation_gradient(mesh, filled(mesh, measured_displacement(measurement))),
         "identified": np.moveaxis(field_gradient(files["field"]), (0, 1), (2, 3)),
     }
     stresses = {key: stress_at(found, mesh.centres, F) for key, F in deformations.items()}

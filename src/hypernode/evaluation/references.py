@@ -5,7 +5,8 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.data.boundary import prescribed_displacement
-from hypernode.data.measurement import displacement_noise, mesh_of, relaxation, relaxation_at
+from hypernode.data.lost import filled
+from hypernode.data.measurement import displacement_noise, measured_displacement, mesh_of, relaxation, relaxation_at
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
 from hypernode.material.laws import node_stress
@@ -56,9 +57,10 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         {"node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:]))},
     )
     forces, noise = [], displacement_noise(measurement)
-    for step, u in enumerate(measurement["u_measured"].values.mean(axis=0)):
+    measured = measured_displacement(measurement)
+    for step, (u, guess) in enumerate(zip(measured, filled(mesh, measured), strict=True)):
         edges = prescribed_displacement(mesh, u, prescribed, noise)
-        reached = solver.newton(np.where(edges.mask, edges.values, u), np.flatnonzero(edges.mask.ravel()), 1e-8)
+        reached = solver.newton(np.where(edges.mask, edges.values, guess), np.flatnonzero(edges.mask.ravel()), 1e-8)
         if reached.u is None:
             raise ConvergenceError(
                 f"step {step}: no equilibrium of the sheet with the identified material (relative residual "

@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import displacement_noise, is_cut_out, mesh_of, stress_resultants
+from hypernode.data.lost import filled
+from hypernode.data.measurement import displacement_noise, is_cut_out, measured_displacement, mesh_of, stress_resultants
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.refinement import Refinement, refine
@@ -29,7 +30,7 @@ class Boundary:
         values: their displacement (node, 2).
         errors: errors of these values (degree of freedom, independent standard normal number).
         prescribed, free: their degrees of freedom, and all others.
-        observed: measured degrees of freedom that are not prescribed, on the measured grid.
+        observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points.
         observe: matrix from all displacements of the mesh to what the camera sees of the observed ones.
     """
 
@@ -59,7 +60,7 @@ class Observations:
     Attributes:
         grid: the measured grid; ``refinement`` divides its cells into subcells.
         loading: what is known about the forces.
-        u: mean of the repeats (step, node, 2).
+        u: mean of the repeats (step, node, 2), filled in where points were lost; what is filled in is not observed.
         sigma: standard deviation of u, of noise and finite elements together.
         noisy: whether noise is the larger of the two.
         window: side of the camera's correlation window, 0 without one.
@@ -97,7 +98,8 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
     """
     grid = mesh_of(measurement)
     refinement = refine(grid, subcells)
-    u = measurement["u_measured"].values.mean(axis=0)
+    measured = measured_displacement(measurement)
+    u = filled(grid, measured)
     noise, window = displacement_noise(measurement), float(measurement.attrs["correlation_window"])
     floor = strategy.same_grid_floor
     if window > 0.0:
@@ -107,9 +109,9 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
     prescribed = measurement["edge_constrained"].values > 0
     if cut:
         prescribed = np.ones_like(prescribed)
-    measured = 2 * refinement.nodes[:, None] + np.arange(2)
-    seen = window_average(refinement.mesh, window)[measured.ravel()]
-    boundaries = [_boundary(refinement, grid, *each, noise, seen) for each in zip(u, prescribed, strict=True)]
+    at_points = 2 * refinement.nodes[:, None] + np.arange(2)
+    seen = window_average(refinement.mesh, window)[at_points.ravel()]
+    boundaries = [_boundary(refinement, grid, *each, noise, seen) for each in zip(measured, prescribed, strict=True)]
     stretch = float(measurement["stretch"].values.max())
     sigma, noisy = float(np.hypot(noise, floor)), bool(noise >= floor)
     return Observations(
@@ -125,7 +127,7 @@ def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise: float, s
     for i in np.flatnonzero(~mask.any(axis=0)):
         # Where nothing prescribes a component, one corner keeps the sheet from drifting.
         mask[np.argmin(np.abs(grid.nodes - grid.lower).sum(axis=1)), i] = True
-    observed = np.flatnonzero(~mask.ravel())
+    observed = np.flatnonzero(~mask.ravel() & np.isfinite(u.ravel()))
     # A node between two that are prescribed is prescribed as well.
     mask = between @ mask > 1.0 - ROUNDING
     return Boundary(

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hypernode.data.measurement import mesh_of
+from hypernode.data.lost import filled
+from hypernode.data.measurement import measured_displacement, mesh_of
 from hypernode.evaluation.noise import signal_to_noise
 from hypernode.fem.gradient import METHODS
 from hypernode.storage.netcdf import read, units_of, write
@@ -13,13 +14,15 @@ def run(
 ) -> None:
     """Differentiate the mean of the repeats, or the equilibrium field that explains them.
 
+    Where points were lost, the former is what is smoothest between their neighbours.
+
     Args:
         kind: ``element`` (bilinear shape functions) or ``finite_difference`` (central differences).
         constrained_file: file of the equilibrium field, if the method has one.
     """
     measurement = read(measurement_file)
     mesh = mesh_of(measurement)
-    u = read(constrained_file)["u"].values if constrained_file else measurement["u_measured"].values.mean(axis=0)
+    u = read(constrained_file)["u"].values if constrained_file else filled(mesh, measured_displacement(measurement))
     F = METHODS[kind](mesh, u)
     J = F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0]
     if (J <= 0).any():

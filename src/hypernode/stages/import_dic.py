@@ -5,6 +5,7 @@ import numpy as np
 from hypernode.config.model import Config
 from hypernode.dic.specimen import import_test
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
+from hypernode.synthetic.geometry import make_shape
 
 
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
@@ -13,8 +14,9 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    specimen = config.specimens[config.cases[name].specimen]
-    test = import_test(specimen)
+    case = config.cases[name]
+    specimen = config.specimens[case.specimen]
+    test = import_test(specimen, make_shape(config.geometries[case.hole]) if case.hole else None)
     mesh, relaxation = test.mesh, test.relaxation
     write(
         output,

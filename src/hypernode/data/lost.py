@@ -1,0 +1,44 @@
+"""Points that a camera lost: displacement is unknown there, and the material goes on."""
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float
+
+from hypernode.fem.factors import factorise
+from hypernode.fem.mesh import Mesh
+from hypernode.fem.nodal_forces import stiffness_matrix
+
+
+def filled(mesh: Mesh, u: Float[np.ndarray, "step node 2"]) -> Float[np.ndarray, "step node 2"]:
+    """Displacements with those of lost points, NaN, in place of them what is smoothest between their neighbours.
+
+    The solution of Laplace's equation with the measured displacements around it. Good for a mean over the sheet or a
+    first guess; nothing that is filled in is a measurement.
+
+    Raises:
+        ValueError: a step has no measured point at all.
+    """
+    lost = np.isnan(u).any(axis=-1)
+    if not lost.any():
+        return u
+    if lost.all(axis=1).any():
+        raise ValueError(f"load step {int(np.argmax(lost.all(axis=1)))} has no measured point")
+    u, K = u.copy(), stiffness_matrix(mesh).tocsc()
+    for field, gone in zip(u, lost, strict=True):
+        if gone.any():
+            field[gone] = factorise(K[gone][:, gone]).solve(-(K[gone][:, ~gone] @ field[~gone]))
+    return u
+
+
+def along(x: Float[np.ndarray, " point"], known: Float[np.ndarray, " known"]) -> scipy.sparse.csr_matrix:
+    """Matrix (point, known) of the piecewise linear function through values at ``known``, which goes on straight.
+
+    Args:
+        x: increasing positions.
+        known: two or more of them.
+    """
+    place = np.clip(np.searchsorted(known, x, side="right") - 1, 0, len(known) - 2)
+    share = (x - known[place]) / (known[place + 1] - known[place])
+    rows = np.tile(np.arange(len(x)), 2)
+    entries = np.concatenate([1.0 - share, share]), (rows, np.concatenate([place, place + 1]))
+    return scipy.sparse.csr_matrix(entries, (len(x), len(known)))
