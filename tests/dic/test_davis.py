@@ -148,9 +148,9 @@ def test_a_lost_point_is_missing_data_and_no_hole(folder, tmp_path):
 
 def test_a_frame_that_lost_most_of_its_points_is_refused(folder, tmp_path):
     write_frame(
-        folder, 11, 1.1, lambda rows: [f"{';'.join(row.split(';')[:2])};0;0;0" for row in rows[:-3]] + rows[-3:]
+        folder, 11, 1.1, lambda rows: [f"{';'.join(row.split(';')[:2])};0;0;0" for row in rows[:-9]] + rows[-9:]
     )
-    with pytest.raises(DicError, match="frame 11 has lost 32 of 35 points"):
+    with pytest.raises(DicError, match="frame 11 has lost 34 of 35 points"):
         imported(folder, tmp_path)
 
 

@@ -14,7 +14,7 @@ class Sheet(Section):
     loads: list[str] = []
     """Load cases of the test."""
     hole: str | None = None
-    """Geometry inside which there is no material."""
+    """Geometry inside which there is no material; the unit square of a specimen is its measured field."""
     cells: tuple[Count, Count] = (50, 50)
     """Finite elements along x and y; as many as in the paper."""
     size: tuple[Positive, Positive] = (1.0, 1.0)
