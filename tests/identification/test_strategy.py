@@ -91,7 +91,7 @@ def test_posterior_samples_have_the_inverse_of_the_objectives_curvature_as_covar
     data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=2e-3)
     found = identify(data, Constrained(terms=[], iterations=8), "square")
     linear = found.linear
-    draws = found.objective.posterior_samples(linear, found.params, 400, seed=3).reshape(400, -1)
+    samples = found.objective.posterior_samples(linear, found.params, 400, seed=3).reshape(400, -1)
     curvature = linear.curvature(np.eye(found.params.size))
     R, _, derivative = found.objective.regulariser.roots(found.params, found.objective.jump_cost)
     root = R @ scipy.linalg.block_diag(*derivative)
@@ -99,9 +99,9 @@ def test_posterior_samples_have_the_inverse_of_the_objectives_curvature_as_covar
     covariance = np.linalg.inv(curvature + np.diag(found.objective.ridge))
     # The relative error of a variance from 400 samples is 7 %; that of a mean, a twentieth of the spread.
     spread = np.sqrt(np.diag(covariance))
-    np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.15)
-    assert np.abs((draws.mean(axis=0) - found.params.ravel()) / spread).max() < 0.2
-    assert np.array_equal(draws[0], found.objective.posterior_samples(linear, found.params, 1, seed=3).ravel())
+    np.testing.assert_allclose(samples.std(axis=0), spread, rtol=0.15)
+    assert np.abs((samples.mean(axis=0) - found.params.ravel()) / spread).max() < 0.2
+    assert np.array_equal(samples[0], found.objective.posterior_samples(linear, found.params, 1, seed=3).ravel())
 
 
 def test_a_posterior_sample_changes_the_stress_to_first_order_so_that_parameters_that_trade_places_do_not_count():

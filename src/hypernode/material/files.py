@@ -30,17 +30,17 @@ def nearest_cell(file: xr.Dataset):
 
 
 def posterior_material(file: xr.Dataset) -> Material | None:
-    """All draws of a constrained field as one material, or None where it has none.
+    """All posterior samples of a constrained field as one material, or None where it has none.
 
-    Its positions are the cell centres, once for each draw. Stress and energy are to first order in the draw's distance
-    from the best field, as the draws themselves are: parameters that trade places are far apart one by one.
+    Its positions are the cell centres, once for each sample. Stress and energy are to first order in the sample's
+    distance from the best field, as the samples themselves are: parameters that trade places are far apart one by one.
     """
     basis, best = basis_field(file)
     names = [f"posterior.{name}" for name in basis.names]
     if names[0] not in file:
         return None
-    draws = np.stack([file[name].values for name in names])
-    change = np.moveaxis(draws - best[:, None], 1, 2)
+    samples = np.stack([file[name].values for name in names])
+    change = np.moveaxis(samples - best[:, None], 1, 2)
     params = tuple(
         jnp.asarray(np.broadcast_to(each, change.shape).reshape(*best.shape[:2], -1))
         for each in (best[:, :, None], change)
