@@ -207,7 +207,7 @@ def test_a_broken_force_record_is_named_with_its_line(tmp_path, text, message):
 
 def test_kilonewtons_are_converted(tmp_path):
     (tmp_path / "force.csv").write_text("Time,Force\n(s),(kN)\n0,0.5\n1,1.0\n")
-    np.testing.assert_allclose(read_force_record(tmp_path / "force.csv")[1], [500.0, 1000.0])
+    np.testing.assert_allclose(read_force_record(tmp_path / "force.csv").force[:, 0], [500.0, 1000.0])
 
 
 def test_a_folder_without_frames_is_an_error(tmp_path):

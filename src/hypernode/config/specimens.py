@@ -6,6 +6,18 @@ from pydantic import Field, model_validator
 
 from hypernode.config.section import Count, Fraction, NonNegative, NonNegativeInt, Positive, Section
 
+#: Programs whose force records are known: the names of ``hypernode.dic.force_dialects``.
+ForceFormat = Literal[
+    "named_columns",
+    "bluehill_3",
+    "bluehill_universal",
+    "zwick_testxpert",
+    "mts_testsuite",
+    "cellscale_biotester",
+    "davis_load",
+    "davis_channels",
+    "matchid_image",
+]
 #: Load steps where none are asked for: as many as in the paper's experiment.
 LOAD_STEPS = 5
 
@@ -18,7 +30,15 @@ class Specimen(Section):
     format: Literal["davis"] = "davis"
     """Software that exported the frames."""
     force_file: str = "force_disp.csv"
-    """The testing machine's record in that folder: Time and Force, and a second line with their units."""
+    """The testing machine's record in that folder; which program wrote it is told by its content."""
+    force_format: ForceFormat | None = None
+    """Program that wrote the record, where its content does not tell."""
+    force_channel: str | None = None
+    """Name of the record's column with the force, where it is not the usual one of its program."""
+    force_set: str | None = None
+    """Set of cycles that is used of a record of several."""
+    force_cycle: str | None = None
+    """Cycle that is used of a record of several."""
     published_at: str = ""
     """Where the data can be found; shown where the folder is absent."""
     optional: bool = Field(default=False, exclude=True)
@@ -37,6 +57,9 @@ class Specimen(Section):
     """Frames in a second [1/s]."""
     first_frame_time: float = 0.0
     """Time of the first frame in the clock of the force record [s]."""
+    force_time_offset: float | Literal["estimate"] | None = None
+    """Seconds by which the force record's clock is ahead of the times of the frames, or estimate, which takes it from
+    the motion that both show. Where it is left out, clocks that disagree are an error."""
     force_offset: float = 0.0
     """What the force record reads before the sheet pulls [N]; it is subtracted."""
     force_uncertainty: Fraction = 0.01

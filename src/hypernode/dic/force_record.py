@@ -1,51 +1,200 @@
-"""Force records of testing machines."""
+"""Force records of testing machines, whatever program wrote them."""
 
-import csv
+import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
+from hypernode.dic.force_dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
+from hypernode.dic.force_numbers import AmbiguousNumbersError, decimal_sign, parse_number
+from hypernode.dic.force_table import Table, choose_cycle, read_table
+
+#: The number of a picture in its file's name: Image_0007_0.tiff is the seventh picture of camera 0.
+_PICTURE = re.compile(r"(?P<number>\d+)(?:_\d)?\.[A-Za-z]+$")
 
 
-def read_force_record(path: Path) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
-    """Time [s] and force [N] of a testing machine's comma-separated record.
+@dataclass(frozen=True)
+class ForceRecord:
+    """What a machine recorded.
 
-    The first line names the columns Time and Force, the second gives their units.
+    Attributes:
+        path: of the file.
+        dialect: how it is written.
+        time: of every sample, never decreasing [s]; None where only pictures are numbered.
+        image: number of the picture that belongs to a sample, NaN where none does; None where none is given.
+        axes: of the machine: ("pull",), or ("x", "y").
+        force: by sample and axis [N].
+        displacement: of the crosshead or actuator by sample and axis [mm]; None where it is not recorded.
+        channels: names of the columns of the force.
+    """
+
+    path: Path
+    dialect: Dialect
+    time: Float[np.ndarray, " sample"] | None
+    image: Float[np.ndarray, " sample"] | None
+    axes: tuple[str, ...]
+    force: Float[np.ndarray, "sample axis"]
+    displacement: Float[np.ndarray, "sample axis"] | None
+    channels: tuple[str, ...]
+
+    def column(self, axis: str) -> int:
+        """Column of the force along "x" or "y": its own, or the only one."""
+        return self.axes.index(axis) if axis in self.axes else 0
+
+
+def read_force_record(
+    path: Path,
+    dialect: str | None = None,
+    channel: str | None = None,
+    set_name: str | None = None,
+    cycle: str | None = None,
+) -> ForceRecord:
+    """Read a record; its dialect is recognised by its content.
+
+    Args:
+        path: the file.
+        dialect: name of the dialect, where it is not recognised.
+        channel: name of the column with the force, where it is not the dialect's own.
+        set_name, cycle: of the rows that count, where a file holds several cycles.
 
     Raises:
         DicError: the file, its units or a line cannot be used, or time does not increase.
     """
+    path = Path(path)
+    table = choose_cycle(read_table(path, dialect), set_name, cycle)
+    forces = _force_columns(table, channel)
+    where = (table.find(table.dialect.time), table.find(table.dialect.image))
+    columns = [(at, _scale(table, at, FORCE_UNITS, "force in (N)")) for at in forces.values()]
+    if where[0] is not None:
+        columns.insert(0, (where[0], _scale(table, where[0], TIME_UNITS, "time in (s)")))
+    decimal = _decimal(table, [at for at, _ in columns])
+    samples = _samples(table, [at for at, _ in columns], decimal, timed=where[0] is not None)
+    values = samples * np.array([factor for _, factor in columns])
+    _not_volts(table, forces, values[:, -len(forces) :], decimal)
+    return ForceRecord(
+        path,
+        table.dialect,
+        None if where[0] is None else values[:, 0],
+        None if where[1] is None else np.array([_picture(table, line, cells[where[1]]) for line, cells in table.rows]),
+        tuple(forces),
+        values[:, -len(forces) :],
+        _displacement(table, tuple(forces), decimal),
+        tuple(table.header[at] for at in forces.values()),
+    )
+
+
+def _force_columns(table: Table, channel: str | None) -> dict[str, int]:
+    """Column of the force by axis."""
+    if channel is not None:
+        full = [name.lower() for name in table.header]
+        wanted = channel.strip().lower()
+        at = [k for k, names in enumerate(zip(full, table.names, strict=True)) if wanted in names]
+        if len(at) != 1:
+            raise DicError(
+                f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {table.header}: "
+                "set force_channel to the whole name of one"
+            )
+        return {PULL: at[0]}
+    if all(table.dialect.force.values()):
+        return {axis: _unit_that_is_a_force(table, names) for axis, names in table.dialect.force.items()}
+    at = [k for k, unit in enumerate(table.units) if unit in FORCE_UNITS]
+    if len(at) == 1:
+        return {PULL: at[0]}
+    volts = [k for k, unit in enumerate(table.units) if unit in VOLTS]
+    if not at and volts:
+        return {PULL: volts[0]}
+    found = [table.header[k] for k in at]
+    raise DicError(f"{table.path}:{table.line}: {len(at) or 'no'} columns in N {found}: set force_channel to one")
+
+
+def _unit_that_is_a_force(table: Table, names: tuple[str, ...]) -> int:
+    """Of columns of one name, that in N before that in V."""
+    at = [k for k, name in enumerate(table.names) if name in names]
+    return next((k for k in at if table.units[k] in FORCE_UNITS), at[0])
+
+
+def _scale(table: Table, column: int, known: dict[str, float], wanted: str) -> float:
+    """Factor of a column to s or N."""
+    unit, line = table.units[column], table.line + (table.dialect.units == "row")
+    if unit in VOLTS and known is FORCE_UNITS:
+        raise DicError(
+            f"{table.path}:{line}: {table.header[column]!r} is in volts, not calibrated: export the force in N"
+        )
+    if not unit and known is TIME_UNITS and table.dialect.units != "row":
+        return 1.0
+    if unit not in known:
+        what = "the line of units" if table.dialect.units == "row" else "the header"
+        raise DicError(
+            f"{table.path}:{line}: {what} must give {wanted}, found {unit!r} for {table.header[column]!r}; "
+            f"known are {', '.join(known)}"
+        )
+    return known[unit]
+
+
+def _decimal(table: Table, columns: list[int]) -> str:
+    cells = ((line, cells[k]) for line, cells in table.rows for k in columns if k < len(cells))
     try:
-        with open(path, newline="", encoding="utf-8-sig") as handle:
-            rows = list(csv.reader(handle))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise DicError(f"{path}: cannot be read: {error}") from None
-    if len(rows) < 3:
-        raise DicError(f"{path}: needs a header, a line of units and at least one sample")
-    names = [name.strip().lower() for name in rows[0]]
-    for wanted in ("time", "force"):
-        if wanted not in names:
-            raise DicError(f"{path}:1: no column '{wanted.title()}' among {rows[0]}")
-    at_time, at_force = names.index("time"), names.index("force")
-    units = [unit.strip().strip("()").lower() for unit in rows[1]]
-    if len(units) != len(names):
-        raise DicError(f"{path}:2: {len(units)} units for {len(names)} columns")
-    scale = {"n": 1.0, "kn": 1e3, "mn": 1e-3}.get(units[at_force])
-    if units[at_time] not in ("s", "sec") or scale is None:
-        raise DicError(f"{path}:2: the line of units must give time in (s) and force in (N), found {rows[1]}")
-    samples = []
-    for number, row in enumerate(rows[2:], start=3):
-        if not row:
-            continue
+        return decimal_sign(cells)
+    except AmbiguousNumbersError as error:
+        raise DicError(f"{table.path}:{error.line}: {error}") from None
+
+
+def _samples(table: Table, columns: list[int], decimal: str, timed: bool) -> np.ndarray:
+    """Numbers of the columns (sample, column), every one of them finite, the first never decreasing if it is time."""
+    if not table.rows:
+        raise DicError(f"{table.path}: needs a header, a line of units and at least one sample")
+    samples: list[list[float]] = []
+    for line, cells in table.rows:
         try:
-            samples.append((float(row[at_time]), float(row[at_force])))
+            samples.append([parse_number(cells[k], decimal) for k in columns])
         except (ValueError, IndexError):
-            raise DicError(f"{path}:{number}: not a sample: {','.join(row)[:60]!r}") from None
-        if len(samples) > 1 and samples[-1][0] < samples[-2][0]:
-            raise DicError(f"{path}:{number}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s")
+            raise DicError(f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}") from None
+        if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
+            unit = table.units[columns[0]] or "s"
+            raise DicError(f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} {unit}")
         if not np.isfinite(samples[-1]).all():
-            raise DicError(f"{path}:{number}: not finite")
-    time, force = np.array(samples).T
-    return time, scale * force
+            raise DicError(f"{table.path}:{line}: not finite")
+    return np.array(samples)
+
+
+def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarray | None:
+    """Displacement [mm] by sample and axis; None where a column, its unit or a number of it is not there."""
+    names = [table.dialect.displacement.get(axis, ()) for axis in axes]
+    columns = [table.find(each) for each in names]
+    if None in columns or any(table.units[k] not in LENGTH_UNITS for k in columns):
+        return None
+    try:
+        values = np.array([[parse_number(cells[k], decimal) for k in columns] for _, cells in table.rows])
+    except (ValueError, IndexError):
+        return None
+    return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
+
+
+def _picture(table: Table, line: int, cell: str) -> float:
+    """Number of the picture that a cell names, NaN where it names none."""
+    cell = cell.strip()
+    if not cell:
+        return np.nan
+    match = _PICTURE.search(cell)
+    try:
+        return float(match["number"]) if match else float(cell.replace(",", "."))
+    except ValueError:
+        raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture") from None
+
+
+def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:
+    """Refuse a column that says N and repeats the volts of a column beside it."""
+    for volts in (k for k, unit in enumerate(table.units) if unit in VOLTS):
+        try:
+            raw = np.array([parse_number(cells[volts], decimal) for _, cells in table.rows])
+        except (ValueError, IndexError):
+            continue
+        for column, at in enumerate(forces.values()):
+            if np.array_equal(raw, values[:, column]) and np.ptp(raw) > 0:
+                raise DicError(
+                    f"{table.path}:{table.line}: {table.header[at]!r} repeats the volts of {table.header[volts]!r}: "
+                    "export the calibrated force"
+                )

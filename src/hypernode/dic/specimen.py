@@ -10,7 +10,8 @@ from hypernode.config.specimens import Specimen
 from hypernode.data.lost import filled
 from hypernode.dic.davis import Series, frame_files, read_series
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.force_import import import_forces
+from hypernode.dic.force_matching import PullRecord
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED
@@ -82,26 +83,7 @@ def _evenly_spaced(stretch: np.ndarray, specimen: Specimen) -> list[int]:
     return sorted(nearest - {0})
 
 
-def _frame_times(specimen: Specimen, series: Series, numbers: np.ndarray) -> np.ndarray:
-    """Time [s] of each frame in the clock of the force record."""
-    return specimen.first_frame_time + (numbers - series.frames[0].number) / specimen.frame_rate
-
-
-def _force_at(time: np.ndarray, numbers: np.ndarray, record, path: Path) -> np.ndarray:
-    """Force [N] at the time of each chosen frame, interpolated in the record."""
-    record_time, record_force = record
-    late = time > record_time[-1]
-    if late.any():
-        raise DicError(
-            f"{path}: ends at {record_time[-1]:g} s, before frame {numbers[late][0]} at "
-            f"{time[late][0]:g} s: check frame_rate and first_frame_time"
-        )
-    if (time < record_time[0]).any():
-        raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
-    return np.interp(time, record_time, record_force)
-
-
-def _relaxation(specimen: Specimen, used: Series, record) -> Relaxation:
+def _relaxation(specimen: Specimen, used: Series, pull: PullRecord) -> Relaxation:
     """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
 
     Frames that are not used, and the record after the last one that is, stay unseen: they may serve as a test.
@@ -110,8 +92,8 @@ def _relaxation(specimen: Specimen, used: Series, record) -> Relaxation:
         return ELASTIC
     stretch = _mean_stretch(used, _AXIS[specimen.load])
     known = np.isfinite(stretch) & (stretch > 0.0)
-    observed = _frame_times(specimen, used, np.array([frame.number for frame in used.frames]))[known]
-    time, force = record
+    observed = pull.times(np.array([frame.number for frame in used.frames]))[known]
+    time, force = pull.time, pull.force
     during = (time >= observed[0]) & (time <= observed[-1])
     if known.sum() <= _FRAMES_FOR_RELAXATION or during.sum() < _SAMPLES_FOR_RELAXATION:
         why = (
@@ -159,6 +141,7 @@ class ImportedTest:
         field: corners of the whole measured field (2, 2), before the outermost points were dropped.
         lost_points: how many points of the mesh are lost in a frame used.
         files: every file that was read.
+        force_findings: sentences on what is strange about the forces.
     """
 
     mesh: Mesh
@@ -173,10 +156,11 @@ class ImportedTest:
     field: np.ndarray
     lost_points: int
     files: tuple[Path, ...]
+    force_findings: tuple[str, ...]
 
 
 def import_test(specimen: Specimen, hole: Callable | None = None) -> ImportedTest:
-    """Read a specimen's frames and force record, the force interpolated at each frame's time.
+    """Read a specimen's frames and force record, each frame's force by its picture or its time.
 
     Args:
         hole: where there is no material: more than a half at positions (point, 2) in the unit square, which is
@@ -189,29 +173,28 @@ def import_test(specimen: Specimen, hole: Callable | None = None) -> ImportedTes
     full = read_series(folder, specimen.frames)
     series = _trimmed(full, specimen.edge_ring)
     numbers = _select(specimen, series)
-    force_path = folder / specimen.force_file
-    record_time, record_force = read_force_record(force_path)
-    record = record_time, record_force - specimen.force_offset
-    time = _frame_times(specimen, series, numbers)
-    force = _force_at(time, numbers, record, force_path)
+    axis = _AXIS[specimen.load]
+    read = np.array([frame.number for frame in series.frames])
+    forces = import_forces(specimen, axis, read, _mean_stretch(series, axis), numbers)
     used = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     field = np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]])
     mesh, u = _measured(series, numbers, mm, field, hole)
-    edge_force, constrained = _edges(specimen, mesh, force)
+    edge_force, constrained = _edges(specimen, mesh, forces.force)
     paths = frame_files(folder)
     return ImportedTest(
         mesh,
         numbers,
-        time,
+        forces.time,
         u,
         _mean_H(folder, mesh, u, numbers),
-        _AXIS[specimen.load],
+        axis,
         edge_force,
         constrained,
-        _relaxation(specimen, used, record),
+        _relaxation(specimen, used, forces.pull),
         field,
         int(np.isnan(u).any(axis=(0, 2)).sum()),
-        (force_path, *(paths[frame.number] for frame in full.frames)),
+        (forces.pull.record.path, *(paths[frame.number] for frame in full.frames)),
+        forces.findings,
     )
 
 

@@ -51,6 +51,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "pace": relaxation.pace,
             "field_corners": test.field.tolist(),
             "lost_points": test.lost_points,
+            "force_findings": list(test.force_findings),
             "raw_inputs": {str(path): sha256(path) for path in test.files},
         },
     )

@@ -1,0 +1,186 @@
+"""Forces that no sheet can give: findings, each a sentence with what was observed.
+
+Every check is a pure function of the frames up to the last load step. What no elastic sheet and no machine can give is
+refused; what is strange only is a warning.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a record: a sentence, and whether the record is refused for it."""
+
+    sentence: str
+    refused: bool
+
+
+@dataclass(frozen=True)
+class ForceLimits:
+    """Where a force becomes implausible, and why there.
+
+    Attributes:
+        least_rise: change of the force over its largest value below which it counts as constant. Sheets pulled from
+            rest change by all of it; load cells drift by less than a hundredth.
+        least_correlation: of force and stretch. An exponential stiffening to a hundredfold modulus has 0.6 at equal
+            steps, noise of n frames has 0 within 1/sqrt(n).
+        force_at_rest: share of the largest force that the reference frame may carry. A preload is a tenth of the test
+            at most where the reference still counts as free of stress.
+        unit_jump: how far the ratio of neighbouring samples may be from a power of ten, in decades: the sheet pulls
+            on between two samples.
+        jump_over_neighbours: a step between two samples over the largest of three before and after it. A steep curve
+            or a slow recorder doubles it; a unit multiplies it by 9 at least.
+        jump_share: a step over the largest force; smaller ones are contact, stick and slip.
+        stiffening, impossible_stiffening: largest over smallest secant stiffness of the steps beyond the first. Rubber
+            has 3, skin 30; only a unit or a wrong channel has 300.
+        softest, stiffest: secant stiffness [MPa]. A sheet below 0.01 MPa tears under its own clamps; carbon fibres
+            along the pull have 3e5 MPa.
+        clock_intervals, clock_deviations: frame intervals, and standard deviations of the estimate, by which the clocks
+            may differ. Pictures and record are started by hand within some frames.
+        least_sharpness: force rate at its onset over its mean rate. Below it, a late force may be the toe of a
+            stiffening curve, and says nothing of clocks.
+        least_agreement: correlation of rates below which two courses are not of one motion.
+    """
+
+    least_rise: float = 0.05
+    least_correlation: float = 0.3
+    force_at_rest: float = 0.1
+    unit_jump: float = 0.05
+    jump_over_neighbours: float = 5.0
+    jump_share: float = 0.2
+    stiffening: float = 30.0
+    impossible_stiffening: float = 300.0
+    softest: float = 0.01
+    stiffest: float = 3e5
+    clock_intervals: float = 3.0
+    clock_deviations: float = 3.0
+    least_sharpness: float = 0.5
+    least_agreement: float = 0.8
+
+
+LIMITS = ForceLimits()
+
+
+def check_rise(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The force [N] changes with the stretch, and in its direction."""
+    if len(force) < 2 or np.ptp(stretch) == 0.0:
+        return []
+    course = f"while the stretch goes from {stretch.min():.4g} to {stretch.max():.4g}"
+    largest = np.abs(force).max()
+    if np.ptp(force) <= limits.least_rise * largest:
+        return [
+            Finding(
+                f"the force stays between {force.min():.4g} and {force.max():.4g} N {course}: another channel, "
+                "a load cell that was not connected, or a zero that force_offset must take away",
+                True,
+            )
+        ]
+    correlation = np.corrcoef(stretch, force)[0, 1]
+    if correlation >= limits.least_correlation:
+        return []
+    seen = f"from {force[np.argmin(stretch)]:.4g} to {force[np.argmax(stretch)]:.4g} N {course}"
+    if correlation > -limits.least_correlation:
+        return [Finding(f"the force does not follow the stretch ({seen}, correlation {correlation:.2f})", True)]
+    return [
+        Finding(
+            f"the force falls {seen}: the sign of the record or its channel is wrong; export tension as positive, or "
+            "set force_channel",
+            True,
+        )
+    ]
+
+
+def check_rest(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The reference, the first of the frames, carries no force [N]: it is the state without stress."""
+    largest = np.abs(force[1:]).max(initial=0.0)
+    if len(force) < 2 or stretch[0] != 1.0 or abs(force[0]) <= limits.force_at_rest * largest:
+        return []
+    return [
+        Finding(
+            f"the force at the reference frame is {force[0]:.4g} N, {abs(force[0]) / largest:.0%} of the largest: a "
+            "preload, a zero for force_offset, or a clock for first_frame_time",
+            False,
+        )
+    ]
+
+
+def check_units(
+    time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """No sample [N] is a power of ten times the one before it."""
+    steps = np.abs(np.diff(force))
+    ratio = np.divide(force[1:], force[:-1], out=np.zeros_like(steps), where=force[:-1] != 0.0)
+    decades = np.log10(ratio, out=np.zeros_like(steps), where=ratio > 0.0)
+    power = np.round(decades)
+    padded = np.pad(steps, 3)
+    around = np.max([padded[k : k + len(steps)] for k in (0, 1, 2, 4, 5, 6)], axis=0)
+    jumps = (power != 0) & (np.abs(decades - power) <= limits.unit_jump)
+    jumps &= (steps > limits.jump_over_neighbours * around) & (steps > limits.jump_share * np.abs(force).max())
+    if len(steps) < 3 or not jumps.any():
+        return []
+    at = int(np.argmax(jumps))
+    return [
+        Finding(
+            f"the force jumps from {force[at]:.4g} to {force[at + 1]:.4g} N at {time[at + 1]:.4g} s, a factor of "
+            f"{10 ** abs(power[at]):g} between two samples: the unit changes, or a sign of thousands is taken for a "
+            "decimal one",
+            True,
+        )
+    ]
+
+
+def check_stiffness(
+    stretch: Float[np.ndarray, " step"],
+    force: Float[np.ndarray, " step"],
+    area: float,
+    numbers,
+    limits: ForceLimits = LIMITS,
+) -> list[Finding]:
+    """The secant stiffness f/(A (s - 1)) of the load steps is that of a sheet.
+
+    Args:
+        stretch, force: of the load steps [N].
+        area: of the section [mm^2].
+        numbers: of their frames, for messages.
+        limits: where it is not.
+    """
+    known = stretch > 1.0
+    stretch, force, numbers = stretch[known], force[known], np.asarray(numbers)[known]
+    if not len(force):
+        return []
+    stiffness = force / (area * (stretch - 1.0))
+    if (stiffness <= 0.0).any():
+        at = int(np.argmin(stiffness))
+        return [
+            Finding(
+                f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
+                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
+                True,
+            )
+        ]
+    findings, later = [], stiffness[1:]
+    change = later.max() / later.min() if len(later) else 1.0
+    if change > limits.stiffening:
+        impossible = change > limits.impossible_stiffening
+        findings.append(
+            Finding(
+                f"force per area over stretch less one changes by a factor of {change:.3g} over the load steps beyond "
+                f"the first ({later.min():.3g} to {later.max():.3g} MPa), "
+                + ("as no sheet does: a unit or a channel is wrong" if impossible else "as very few sheets do"),
+                impossible,
+            )
+        )
+    middle = float(np.median(stiffness))
+    if not limits.softest <= middle <= limits.stiffest:
+        guess = "is the record in volts or in kN?" if middle < limits.softest else "is the record in mN, or in counts?"
+        findings.append(
+            Finding(f"a stiffness of {middle:.3g} MPa on {area:.4g} mm2 is that of no sheet: {guess}", False)
+        )
+    return findings

@@ -1,0 +1,162 @@
+"""The clock of a record against that of the pictures, from what both saw of one motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.dic.force_checks import LIMITS, Finding, ForceLimits
+
+#: Offsets that are tried, in a frame interval.
+_LAGS = 10
+#: Shares of the largest force between which its onset is a straight line.
+_ONSET = (0.05, 0.1)
+
+
+@dataclass(frozen=True)
+class ClockOffset:
+    """How far the record's clock is ahead of the frames', once their known times are taken away.
+
+    Attributes:
+        seconds: record's time less the frames' [s].
+        uncertainty: its standard deviation [s].
+        by: what it was told from.
+    """
+
+    seconds: float
+    uncertainty: float
+    by: str
+
+    def __str__(self) -> str:
+        return f"{self.seconds:+.2g} s, uncertain by {self.uncertainty:.1g} s (from the {self.by})"
+
+
+def estimate_offsets(
+    frame_time: Float[np.ndarray, " frame"],
+    stretch: Float[np.ndarray, " frame"],
+    time: Float[np.ndarray, " sample"],
+    force: Float[np.ndarray, " sample"],
+    displacement: Float[np.ndarray, " sample"] | None,
+    limits: ForceLimits = LIMITS,
+) -> list[ClockOffset]:
+    """The offset of the record: from the crosshead's motion where it moves, and from the onset of the force.
+
+    A record that begins under way shows the crosshead at one pace only, and its force begins with a value.
+
+    Args:
+        frame_time: in the record's clock as it is believed to be, increasing [s].
+        stretch: mean stretch, 1 at the first frame, the reference.
+        time, force, displacement: the record [s, N, mm].
+        limits: below which sharpness and agreement the courses tell nothing.
+
+    Returns:
+        The estimates that there are, the better one first.
+    """
+    if len(frame_time) < 3 or not np.ptp(stretch) > 0.0:
+        return []
+    onset = _from_onset(frame_time, stretch, time, force, limits)
+    moves = displacement is not None and np.ptp(displacement) > 0.0
+    rates = _from_rates(frame_time, stretch, time, displacement, limits) if moves else None
+    return [each for each in (rates, onset) if each is not None]
+
+
+def _from_rates(frame_time, stretch, time, displacement, limits) -> ClockOffset | None:
+    """Largest cross-correlation of the rates of stretch and displacement between frames.
+
+    Before the reference the sheet is at rest, before the record the machine is: this pins a pull at one pace.
+    """
+    interval = float(np.median(np.diff(frame_time)))
+    reach = max(0.5 * (frame_time[-1] - frame_time[0]), 3.0 * interval)
+    rest = frame_time[0] - interval * np.arange(np.ceil(reach / interval), 0, -1)
+    at = np.concatenate([rest, frame_time])
+    pace = np.diff(np.concatenate([np.full(len(rest), stretch[0]), stretch])) / np.sqrt(np.diff(at))
+    lags = interval / _LAGS * np.arange(-np.floor(_LAGS * reach / interval), np.floor(_LAGS * reach / interval) + 1)
+    agreement = np.array([_agreement(at, pace, lag, time, displacement) for lag in lags])
+    best = int(np.argmax(agreement))
+    if agreement[best] < limits.least_agreement:
+        return None
+    # Frames are as independent as their noise: the misfit of n of them doubles one n-th above its least.
+    misfit = 1.0 - agreement**2
+    low, high = max(best - _LAGS, 0), min(best + _LAGS, len(lags) - 1)
+    rise = max(0.5 * (misfit[low] + misfit[high]) - misfit[best], 1e-12)
+    statistical = interval * np.sqrt(misfit[best] / (rise * len(frame_time)))
+    return ClockOffset(float(lags[best]), float(np.hypot(interval / np.sqrt(12.0), statistical)), "crosshead")
+
+
+def _agreement(at, pace, lag, time, displacement) -> float:
+    """Correlation of the rates, the record's taken ``lag`` later, over the frames that it reaches."""
+    within = at + lag <= time[-1]
+    moved = (np.diff(np.interp(at + lag, time, displacement)) / np.sqrt(np.diff(at)))[within[1:]]
+    seen = pace[within[1:]]
+    size = np.sqrt((seen @ seen) * (moved @ moved))
+    return float(seen @ moved / size) if size > 0.0 and within.sum() > 0.5 * len(at) else -1.0
+
+
+def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
+    """Onset of the force less that of the stretch, both straight lines through small shares of the largest value."""
+    during = (time >= frame_time[0]) & (time <= frame_time[-1])
+    largest = force[during].max(initial=0.0)
+    if during.sum() < 3 or largest <= 0.0:
+        return None
+    low, high = (_crossing(time, force, share * largest) for share in _ONSET)
+    stretched = stretch - stretch[0]
+    first, second = (_crossing(frame_time, stretched, share * stretched.max()) for share in _ONSET)
+    if high <= low or second <= first:
+        return None
+    onset = low - (high - low) * _ONSET[0] / (_ONSET[1] - _ONSET[0])
+    begin = first - (second - first) * _ONSET[0] / (_ONSET[1] - _ONSET[0])
+    end = time[during][int(np.argmax(force[during]))]
+    sharpness = (_ONSET[1] - _ONSET[0]) / (high - low) * (end - onset)
+    offset = onset - begin
+    if offset > 0.0 and sharpness < limits.least_sharpness:
+        return None
+    interval = float(np.median(np.diff(frame_time)))
+    return ClockOffset(float(offset), float(np.hypot(interval / np.sqrt(12.0), 0.5 * (low - onset))), "onset of force")
+
+
+def _crossing(time, course, level) -> float:
+    """Time at which a course first rises to a level; before its first sample by its first slope that is clear."""
+    above = int(np.argmax(course >= level))
+    if above > 0:
+        low, high = course[above - 1], course[above]
+        return float(time[above - 1] + (level - low) / (high - low) * (time[above] - time[above - 1]))
+    clear = int(np.argmax(course >= course[0] + level)) or len(course) - 1
+    slope = (course[clear] - course[0]) / (time[clear] - time[0])
+    return float(time[0] - (course[0] - level) / slope) if slope > 0.0 else float(time[0])
+
+
+def check_clock(
+    offsets: list[ClockOffset], frame_rate: float, accepted: bool, limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The clocks agree within some frame intervals and within what the estimate can tell.
+
+    Args:
+        offsets: as estimated.
+        frame_rate: frames in a second [1/s].
+        accepted: whether the configuration gives the offset, so that a disagreement is only worth a warning.
+        limits: how far they may differ.
+    """
+    findings = []
+    for offset in offsets:
+        allowed = max(limits.clock_intervals / frame_rate, limits.clock_deviations * offset.uncertainty)
+        if abs(offset.seconds) <= allowed:
+            continue
+        late = "later" if offset.seconds > 0 else "earlier"
+        findings.append(
+            Finding(
+                f"the sheet moves {abs(offset.seconds):.2g} s {late} in the record than in the pictures (from the "
+                f"{offset.by}, uncertain by {offset.uncertainty:.1g} s): set first_frame_time, or force_time_offset to "
+                "seconds, to 0 where that is so, or to estimate",
+                not accepted,
+            )
+        )
+    return findings
+
+
+def agreed_offset(offsets: list[ClockOffset], limits: ForceLimits = LIMITS) -> ClockOffset | None:
+    """The first estimate, where there is one and no other contradicts it."""
+    for other in offsets[1:]:
+        apart = limits.clock_deviations * np.hypot(offsets[0].uncertainty, other.uncertainty)
+        if abs(offsets[0].seconds - other.seconds) > apart:
+            return None
+    return offsets[0] if offsets else None

@@ -1,0 +1,137 @@
+"""What the force records of testing machines and cameras look like: a table, and nothing else.
+
+A column's name is compared without its unit, without blanks around it and in lower case.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+#: The axis of a machine that pulls along one only.
+PULL = "pull"
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How one program writes a record.
+
+    Attributes:
+        name: in the configuration.
+        program: in messages.
+        time: names of its column [s unless a unit says otherwise].
+        force: names of its column by axis; no names where the unit alone tells.
+        displacement: names of the crosshead's or actuator's column by axis.
+        image: names of the column with the number of the picture, or the picture's file.
+        units: in a row below the names, in brackets behind each name, or behind its last underscore.
+        also: further columns that the header must have.
+        begins: how the first line of the file begins.
+        preamble: largest number of lines above the header.
+        delimiters: tried in this order.
+        encoding: where the file is not UTF-8.
+        cycles: columns that tell the set and the cycle of a row.
+    """
+
+    name: str
+    program: str
+    time: tuple[str, ...]
+    force: Mapping[str, tuple[str, ...]]
+    displacement: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    image: tuple[str, ...] = ()
+    units: Literal["row", "brackets", "suffix"] = "row"
+    also: tuple[str, ...] = ()
+    begins: str = ""
+    preamble: int = 60
+    delimiters: str = ",;\t"
+    encoding: str = "utf-8"
+    cycles: tuple[str, str] | None = None
+
+
+#: In the order in which they are tried: what asks for more comes first.
+DIALECTS = (
+    Dialect(
+        name="cellscale_biotester",
+        program="CellScale BioTester",
+        time=("time",),
+        force={"x": ("xforce",), "y": ("yforce",)},
+        displacement={"x": ("xdisplacement",), "y": ("ydisplacement",)},
+        units="suffix",
+        cycles=("setname", "cycle"),
+    ),
+    Dialect(
+        name="matchid_image",
+        program="MatchID Image.csv",
+        time=("timestamp",),
+        force={PULL: ("force",)},
+        image=("file",),
+        units="brackets",
+        preamble=0,
+    ),
+    Dialect(
+        name="davis_load",
+        program="DaVis load record",
+        time=("time",),
+        force={PULL: ()},
+        displacement={PULL: ("crosshead", "machine displacement")},
+        image=("image index (image index)",),
+        also=("image index (image index)",),
+        preamble=0,
+        encoding="latin-1",
+    ),
+    Dialect(
+        name="davis_channels",
+        program="DaVis channels by picture",
+        time=(),
+        force={PULL: ()},
+        image=("index",),
+        units="brackets",
+        preamble=0,
+        encoding="latin-1",
+    ),
+    Dialect(
+        name="mts_testsuite",
+        program="MTS TestSuite",
+        time=("time", "running time"),
+        force={PULL: ("load", "force", "axial force")},
+        displacement={PULL: ("crosshead", "extension", "displacement", "axial displacement")},
+        begins="file path:",
+    ),
+    Dialect(
+        name="zwick_testxpert",
+        program="Zwick testXpert",
+        time=("prüfzeit", "test time"),
+        force={PULL: ("standardkraft", "standard force", "kraft")},
+        displacement={PULL: ("standardweg", "traversenweg", "standard travel", "crosshead travel", "weg")},
+        delimiters="\t;,",
+        encoding="latin-1",
+    ),
+    Dialect(
+        name="bluehill_3",
+        program="Instron Bluehill 3",
+        time=("time",),
+        force={PULL: ("load",)},
+        displacement={PULL: ("extension",)},
+        also=("extension",),
+    ),
+    Dialect(
+        name="bluehill_universal",
+        program="Instron Bluehill Universal",
+        time=("time",),
+        force={PULL: ("force", "load")},
+        displacement={PULL: ("displacement", "extension")},
+        units="brackets",
+    ),
+    Dialect(
+        name="named_columns",
+        program="columns Time and Force",
+        time=("time",),
+        force={PULL: ("force",)},
+        displacement={PULL: ("displacement",)},
+        preamble=0,
+    ),
+)
+
+#: Factors to s, N and mm. Case matters: mN is not MN. A column in V holds what no calibration has turned into a force.
+TIME_UNITS = {"s": 1.0, "S": 1.0, "sec": 1.0, "Sec": 1.0, "SEC": 1.0, "ms": 1e-3, "min": 60.0}
+FORCE_UNITS = {"N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6}
+LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3}
+VOLTS = ("V", "mV", "v", "mv", "Volt", "volt")

@@ -1,0 +1,109 @@
+"""Which force belongs to which frame: by the number of the picture where the record has it, else by time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.dic.errors import DicError
+from hypernode.dic.force_record import ForceRecord
+
+
+@dataclass(frozen=True)
+class PullRecord:
+    """The record of one pull, with the clock of its frames.
+
+    Attributes:
+        record: what the machine wrote.
+        time: of every sample, increasing where samples of one time were averaged [s].
+        force: of every sample along the pull, without what it reads before the sheet pulls [N].
+        displacement: of the crosshead [mm]; None where it is not recorded.
+        image: number of the picture of every sample, NaN where there is none; None where it is not recorded.
+        first_number: of the first frame.
+        first_time: of that frame in the clock of the record [s].
+        frame_rate: frames in a second [1/s].
+    """
+
+    record: ForceRecord
+    time: Float[np.ndarray, " sample"]
+    force: Float[np.ndarray, " sample"]
+    displacement: Float[np.ndarray, " sample"] | None
+    image: Float[np.ndarray, " sample"] | None
+    first_number: int
+    first_time: float
+    frame_rate: float
+
+    def times(self, numbers: Int[np.ndarray, " frame"]) -> Float[np.ndarray, " frame"]:
+        """Time [s] of frames in the clock of the record.
+
+        Raises:
+            DicError: the record numbers its pictures, and one of these is not among them.
+        """
+        if self.image is None:
+            return self.first_time + (numbers - self.first_number) / self.frame_rate
+        return self._of_pictures(self.time, numbers)
+
+    def forces(self, numbers: Int[np.ndarray, " frame"]) -> Float[np.ndarray, " frame"]:
+        """Force [N] of frames: the mean of a picture's samples, or interpolated at the frame's time.
+
+        Raises:
+            DicError: a frame lies outside the record.
+        """
+        if self.image is not None:
+            return self._of_pictures(self.force, numbers)
+        path, time = self.record.path, self.times(numbers)
+        late = time > self.time[-1]
+        if late.any():
+            raise DicError(
+                f"{path}: ends at {self.time[-1]:g} s, before frame {numbers[late][0]} at "
+                f"{time[late][0]:g} s: check frame_rate and first_frame_time"
+            )
+        if (time < self.time[0]).any():
+            raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
+        return np.interp(time, self.time, self.force)
+
+    def _of_pictures(self, values, numbers):
+        """Means of the samples of each picture."""
+        means = []
+        for number in numbers:
+            at = self.image == number
+            if not at.any():
+                known = self.image[np.isfinite(self.image)]
+                extent = f"it has {known.min():g} to {known.max():g}" if len(known) else "it numbers none"
+                raise DicError(f"{self.record.path}: no sample of picture {number}; {extent}")
+            means.append(values[at].mean())
+        return np.array(means)
+
+
+def pull_record(
+    record: ForceRecord, axis: str, force_offset: float, first_number: int, first_time: float, frame_rate: float
+) -> PullRecord:
+    """The part of a record that belongs to a pull.
+
+    Args:
+        record: what the machine wrote.
+        axis: of the pull, "x" or "y".
+        force_offset: what the record reads before the sheet pulls [N].
+        first_number: of the first frame.
+        first_time: of that frame in the clock of the record [s].
+        frame_rate: frames in a second [1/s].
+    """
+    column = record.column(axis)
+    time, image = record.time, record.image
+    if time is None:
+        time = first_time + (image - first_number) / frame_rate
+    columns = [time, record.force[:, column] - force_offset]
+    if record.displacement is not None:
+        columns.append(record.displacement[:, column])
+    if image is None:
+        columns = _averaged(columns)
+    displacement = columns[2] if len(columns) == 3 else None
+    return PullRecord(record, columns[0], columns[1], displacement, image, first_number, first_time, frame_rate)
+
+
+def _averaged(columns: list[np.ndarray]) -> list[np.ndarray]:
+    """The columns with samples of one time, the first column, made one; as they are where no time repeats."""
+    time, place, count = np.unique(columns[0], return_inverse=True, return_counts=True)
+    if len(time) == len(columns[0]):
+        return columns
+    return [time, *(np.bincount(place, each) / count for each in columns[1:])]
