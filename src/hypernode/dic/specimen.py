@@ -103,7 +103,7 @@ def _relaxation(specimen: Specimen, used: Series, pull: PullRecord) -> Relaxatio
         )
         say("import", specimen.folder, why)
         return ELASTIC
-    return fit_relaxation(time[during], np.interp(time[during], observed, stretch[known]), force[during])
+    return fit_relaxation(time[during], np.interp(time[during], observed, stretch[known]), force[during], observed[1:])
 
 
 def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):

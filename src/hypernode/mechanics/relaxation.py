@@ -49,17 +49,19 @@ class Relaxation:
         times: samples [s].
         factor: recorded over elastic force at those: 1 + Σ g_k on the first, towards 1 in a hold.
         misfit: root mean square of what is left over, over the largest force.
+        steps: times of the load steps, at whose mean pace the sheet counts as elastic (step,).
     """
 
     terms: tuple[str, ...]
     times: Float[np.ndarray, " sample"]
     factor: Float[np.ndarray, " sample"]
     misfit: float
+    steps: Float[np.ndarray, " step"]
 
     @property
     def pace(self) -> float:
-        """Mean of the factor over the record: the stiffness at the pace of the test over the relaxed one."""
-        return float(self.factor.mean())
+        """Mean of the factor over the steps: the stiffness at the pace of the test over the relaxed one."""
+        return float(np.interp(self.steps, self.times, self.factor).mean())
 
     def at(self, time: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
         """Recorded force over that of an elastic sheet as stiff as this one is at the pace of the test."""
@@ -67,7 +69,7 @@ class Relaxation:
 
 
 #: A sheet of whose record nothing is a matter of time, as far as one can or wants to know.
-ELASTIC = Relaxation((), np.zeros(1), np.ones(1), 0.0)
+ELASTIC = Relaxation((), np.zeros(1), np.ones(1), 0.0, np.zeros(1))
 
 
 def _fit(times, elastic, target, relaxing: bool):
@@ -87,7 +89,10 @@ def _fit(times, elastic, target, relaxing: bool):
 
 
 def fit_relaxation(
-    time: Float[np.ndarray, " sample"], stretch: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"]
+    time: Float[np.ndarray, " sample"],
+    stretch: Float[np.ndarray, " sample"],
+    force: Float[np.ndarray, " sample"],
+    steps: Float[np.ndarray, " step"],
 ) -> Relaxation:
     """The plainest elastic curve and relaxation that explain a record.
 
@@ -99,6 +104,7 @@ def fit_relaxation(
         time: from the reference state on, increasing [s].
         stretch: mean stretch along the tensile axis.
         force: without what the record reads before the sheet pulls [N].
+        steps: times of the load steps [s].
     """
     times = np.linspace(time[0], time[-1], SAMPLES)
     target = np.interp(times, time, force)
@@ -110,6 +116,6 @@ def fit_relaxation(
             curve, rest = _fit(times, elastic, target, relaxing)
             factor = 1.0 + np.divide(rest, curve, out=np.zeros(SAMPLES), where=curve > 1e-6 * curve.max())
             misfit = np.sqrt(np.mean((curve + rest - target) ** 2)) / np.abs(target).max()
-            tried.append(Relaxation(tuple(elastic), times, factor, float(misfit)))
+            tried.append(Relaxation(tuple(elastic), times, factor, float(misfit), steps))
     enough = max(WORTH_IT * tried[-1].misfit, RESOLUTION)
     return next((each for each in tried if each.misfit <= enough), tried[-1])
