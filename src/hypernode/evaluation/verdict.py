@@ -155,7 +155,7 @@ def _limited(name: str, words: str, value: float, threshold: Threshold, shown=_p
         return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)
     level = Level.FAILED if value > threshold.fail else Level.WARNED if value > threshold.warn else Level.PASSED
     limit = threshold.fail if level is Level.FAILED else threshold.warn
-    compared = "at most" if level is Level.PASSED else "more than"
+    compared = "no more than" if level is Level.PASSED else "more than"
     return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value, limit)
 
 
@@ -190,7 +190,6 @@ def _displacements(summary, measurement, constrained, settings: Settings) -> Cri
     noise, sigma = displacement_noise(measurement), float(constrained.attrs["displacement_sigma"])
     # The uncertainty is noise and the error of finite elements together: the larger of the two rules it.
     noisy = 2.0 * noise**2 >= sigma**2
-    value = float(summary["displacement_misfit"])
     value = float(summary["displacement_misfit"])
     words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
     if noisy and value < settings.misfit_low:
