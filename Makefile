@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume test lint unit smoke endurance report bench clean
+.PHONY: all resume verdict test lint unit smoke endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -14,6 +14,10 @@ resume: $(VENV)/run
 	$(BIN)/python -m hypernode idle
 	$(BIN)/snakemake --unlock
 	$(BIN)/snakemake --cores $(CORES) --rerun-incomplete
+
+# How far each run can be believed, the worst first; fails where a run does.
+verdict: $(VENV)/run
+	$(BIN)/python -m hypernode verdict results
 
 test: lint unit smoke
 

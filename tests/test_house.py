@@ -30,7 +30,7 @@ ALLOWED = {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("synthetic", "identification", "training", "evaluation"),
     },
-    "cli": {"__init__", "errors", "config", "storage", "pipeline"},
+    "cli": {"__init__", "errors", "config", "storage", "pipeline", "tables"},
     "__main__": {"cli"},
     "__init__": {"material"},
 }

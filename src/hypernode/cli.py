@@ -1,4 +1,4 @@
-"""The command hypernode: ask results where they came from, and what files and configurations hold.
+"""The command hypernode: ask results how far to believe them and where they came from, and what files hold.
 
 A command is a function that adds its parser to those of ``COMMANDS``, with a ``run`` that takes the arguments and
 gives the exit code. It imports what it needs when it runs, so that no command waits for another one's packages.
@@ -8,6 +8,7 @@ import argparse
 import json
 import os
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 from hypernode.errors import ExpectedError
@@ -91,6 +92,26 @@ def audit_report(arguments) -> int:
     return 0
 
 
+def add_verdict(commands) -> None:
+    """``verdict``."""
+    parser = commands.add_parser("verdict", help="how far each run can be believed, the worst first; exit code 1")
+    parser.add_argument("folder", type=Path, nargs="?", default=Path("results"))
+    parser.add_argument("--json", action="store_true", help="for machines")
+    parser.set_defaults(run=verdict)
+
+
+def verdict(arguments) -> int:
+    """Print the verdict on every run; exit code 1 where any fails."""
+    from hypernode.tables.verdicts import evaluations, listing, read_verdicts
+
+    found = read_verdicts(evaluations(arguments.folder))
+    if arguments.json:
+        print(json.dumps([asdict(each) for each in found], indent=1))
+    else:
+        print("\n".join(listing(found)))
+    return 1 if any(each.overall == "fail" for each in found) else 0
+
+
 def add_schema(commands) -> None:
     """``schema [files | config]``."""
     schema = commands.add_parser(
@@ -143,7 +164,7 @@ def idle(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_audit, add_schema, add_idle)
+COMMANDS = (add_audit, add_verdict, add_schema, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -34,7 +34,22 @@ def material(soft: float = 1.0) -> xr.Dataset:
     return xr.Dataset(_grid() | fields, attrs=attributes)
 
 
-def evaluation(ending: str | None = None, **attributes) -> xr.Dataset:
+#: What a verdict says of displacements at each level.
+SENTENCES = {
+    "fail": "The misfit of displacements over their noise is 3.21, more than 2.00.",
+    "warn": "The misfit of displacements over their noise is 1.21, more than 1.05.",
+    "pass": "The misfit of displacements over their noise is 1.01, no more than 1.05.",
+}
+
+
+def verdict(level: str) -> dict:
+    """A verdict as evaluations hold it, of three criteria of which the last two say the same."""
+    met = {"name": "law", "level": "pass", "sentence": "The law is met.", "value": 0.0, "threshold": 0.1}
+    said = {"name": "displacements", "level": level, "sentence": SENTENCES[level], "value": 1.0, "threshold": 1.05}
+    return {"overall": level, "criteria": [met, said, said | {"name": "forces"}]}
+
+
+def evaluation(level: str = "pass", **attributes) -> xr.Dataset:
     """What a run is judged by; every number is its own."""
     rng = np.random.default_rng(0)
     cells, steps, points = N * N, len(STRETCH), 5
@@ -45,7 +60,7 @@ def evaluation(ending: str | None = None, **attributes) -> xr.Dataset:
     force = {f"edge_force{end}": rng.uniform(0.5, 1.0, (steps, len(EDGES), 2)) for end in ("", *_AT)}
     angles = {key: ("cell", cell()) for key in ("anisotropy", "anisotropy_true", "fibre_angle", "fibre_angle_true")}
     curve = ("location", "curve_point", "i")
-    summary = {"displacement_misfit": 3.21} | ({"ending": ending} if ending else {})
+    judged = {"run": json.dumps({"case": "half", "method": "m"}), "verdict": json.dumps(verdict(level))}
     return xr.Dataset(
         _grid()
         | {key: (("load_step", "edge", "i"), value) for key, value in force.items()}
@@ -61,7 +76,7 @@ def evaluation(ending: str | None = None, **attributes) -> xr.Dataset:
             "curve_identified": (curve, rng.uniform(0.1, 1.0, (2, points, 2))),
             "curve_true": (curve, rng.uniform(0.1, 1.0, (2, points, 2))),
         },
-        attrs=COMMON | {"summary": json.dumps(summary)} | attributes,
+        attrs=COMMON | judged | attributes,
     )
 
 
@@ -91,15 +106,15 @@ def references() -> xr.Dataset:
     return xr.Dataset(fields, attrs=COMMON | attributes)
 
 
-def figure_input(kind: str, ending: str | None) -> tuple[dict, dict]:
-    """(opened files, settings) of a figure of a kind, of a run that ended in a way."""
-    judged = {"evaluation": evaluation(ending)}
+def figure_input(kind: str, level: str) -> tuple[dict, dict]:
+    """(opened files, settings) of a figure of a kind, of a run with a verdict."""
+    judged = {"evaluation": evaluation(level)}
     settings = {"kind": kind, "case": "half", "method": "m", "step": -1}
     if kind == "comparison":
         runs = [{"case": "half", "method": name, "label": name} for name in ("first", "second")]
         settings = {"kind": kind, "runs": runs, "stretches": [1.05, 1.1], "load": "equibiaxial", "show": "stress"}
         data = {"run0": material(), "run1": material(1.5), "truth0": material(), "truth1": material()}
-        return data | {"evaluation0": evaluation("converged"), "evaluation1": evaluation(ending)}, settings
+        return data | {"evaluation0": evaluation("pass"), "evaluation1": evaluation(level)}, settings
     more = {
         "identification": {"truth": material()},
         "anisotropy": {"truth": material(), "material": material(1.2)},

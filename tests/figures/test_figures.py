@@ -33,7 +33,7 @@ def test_a_figure_is_the_same_file_every_time_with_its_fonts_in_it(kind, tmp_pat
     contents = []
     for folder in ("first", "second"):
         files = {form: str(tmp_path / folder / f"f.{form}") for form in ("pdf", "png")}
-        save(compose(*figure_input(kind, "stagnated")), files, {"rule": "figure"}, [])
+        save(compose(*figure_input(kind, "fail")), files, {"rule": "figure"}, [])
         contents.append([(tmp_path / folder / f"f.{form}").read_bytes() for form in ("pdf", "png")])
     assert contents[0] == contents[1]
     pdf, png = contents[0]
@@ -43,7 +43,7 @@ def test_a_figure_is_the_same_file_every_time_with_its_fonts_in_it(kind, tmp_pat
 
 @pytest.mark.parametrize("kind", LAYOUTS)
 def test_every_axis_and_colour_bar_has_a_unit(kind):
-    figure = compose(*figure_input(kind, None))
+    figure = compose(*figure_input(kind, "pass"))
     labels = {label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label}
     # Rows of a comparison are named, and the error below a panel is a sentence.
     labels = {label for label in labels if not label.startswith(("truth", "first", "second", "error"))}
@@ -51,7 +51,7 @@ def test_every_axis_and_colour_bar_has_a_unit(kind):
 
 
 def test_the_panels_show_the_numbers_of_the_file():
-    data, settings = figure_input("identification", None)
+    data, settings = figure_input("identification", "pass")
     figure, file = compose(data, settings), data["evaluation"]
     assert np.array_equal(field(panel(figure, "a")).get_array(), file["principal_strain_measured"][-1])
     assert np.array_equal(field(panel(figure, "b")).get_array(), np.trace(file["P_field"].values[-1], axis1=1, axis2=2))
@@ -65,13 +65,13 @@ def test_the_panels_show_the_numbers_of_the_file():
 
 
 def test_truth_and_identified_material_share_their_colours():
-    figure = compose(*figure_input("identification", None))
+    figure = compose(*figure_input("identification", "pass"))
     scales = [field(panel(figure, letter)).get_clim() for letter in "cd"]
     assert scales[0] == scales[1]
 
 
 def test_columns_of_a_comparison_share_their_colours_and_rows_their_error():
-    figure = compose(*figure_input("comparison", None))
+    figure = compose(*figure_input("comparison", "pass"))
     panels = np.array(figure.axes[:6]).reshape(3, 2)
     for column in panels.T:
         assert len({field(axes).get_clim() for axes in column}) == 1
@@ -81,7 +81,7 @@ def test_columns_of_a_comparison_share_their_colours_and_rows_their_error():
 
 
 def test_an_error_without_a_truth_is_refused_with_the_run_to_blame():
-    data, settings = figure_input("comparison", None)
+    data, settings = figure_input("comparison", "pass")
     del data["truth1"]
     with pytest.raises(ComparisonError, match="half/second has no known truth"):
         compose(data, settings | {"show": "error"})

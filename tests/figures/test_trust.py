@@ -1,6 +1,7 @@
-"""A figure of a run that did not converge says so before anything else, in every layout and format."""
+"""A figure of a run that does not pass says so before anything else, in every layout and format."""
 
 import io
+import json
 import re
 import zlib
 from functools import cache
@@ -13,8 +14,9 @@ from matplotlib.text import Text
 
 from hypernode.figures.render import LAYOUTS, compose
 from hypernode.figures.style import RC
-from hypernode.figures.trust import WARNING
-from tests.figures.data import figure_input
+from hypernode.figures.trust import COLOURS, LINES, run_verdict, write_verdict
+from hypernode.tables.verdicts import VerdictError
+from tests.figures.data import SENTENCES, evaluation, figure_input, verdict
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -25,8 +27,8 @@ def _closed():
 
 
 @cache
-def drawn(kind, ending):
-    return compose(*figure_input(kind, ending))
+def drawn(kind, level):
+    return compose(*figure_input(kind, level))
 
 
 def rendered(figure, **options) -> bytes:
@@ -36,58 +38,88 @@ def rendered(figure, **options) -> bytes:
     return buffer.getvalue()
 
 
-def warning_pixels(figure) -> np.ndarray:
-    """(row, column) of pixels in the colour of a warning, as shares of the picture."""
+def pixels(figure, colour) -> np.ndarray:
+    """(row, column) of pixels in a colour, as shares of the picture."""
     picture = plt.imread(io.BytesIO(rendered(figure, format="png", dpi=60)))[..., :3]
-    found = np.argwhere(np.abs(picture - to_rgb(WARNING)).max(axis=-1) < 0.02)
+    found = np.argwhere(np.abs(picture - to_rgb(colour)).max(axis=-1) < 0.02)
     return found / picture.shape[:2]
 
 
+@pytest.mark.parametrize("level", COLOURS)
 @pytest.mark.parametrize("kind", LAYOUTS)
-def test_a_run_that_did_not_converge_has_a_red_line_across_the_top(kind):
-    pixels = warning_pixels(drawn(kind, "out of iterations"))
-    top = pixels[pixels[:, 0] < 0.15]
-    assert len(top) > 50 and np.ptp(top[:, 1]) > 0.4
-    assert not len(warning_pixels(drawn(kind, "converged"))), "red is kept for warnings"
+def test_a_run_that_does_not_pass_has_a_line_in_the_colour_of_its_level_across_the_top(kind, level):
+    found = pixels(drawn(kind, level), COLOURS[level])
+    top = found[found[:, 0] < 0.25]
+    assert len(top) > 20 and np.ptp(top[:, 1]) > 0.3
+    assert not len(pixels(drawn(kind, "pass"), COLOURS[level])), "the colour is kept for verdicts"
+
+
+def luminance(colour) -> float:
+    """Relative luminance after WCAG 2."""
+    channels = np.array(to_rgb(colour))
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+def test_red_and_amber_are_read_on_white_and_told_apart_without_hue():
+    red, amber = (luminance(COLOURS[level]) for level in ("fail", "warn"))
+    assert all(1.05 / (each + 0.05) > 3.0 for each in (red, amber)), "contrast that WCAG asks of large letters"
+    assert amber > 1.8 * red
 
 
 @pytest.mark.parametrize("kind", LAYOUTS)
 def test_the_line_is_the_largest_text_and_stands_above_all_others(kind):
-    figure = drawn(kind, "out of iterations")
+    figure = drawn(kind, "fail")
     figure.draw_without_rendering()
     others = [text for text in figure.findobj(Text) if text.get_text() and text is not figure._suptitle]
-    assert figure._suptitle.get_fontsize() > 1.2 * max(text.get_fontsize() for text in others)
+    assert figure._suptitle.get_fontsize() > 1.15 * max(text.get_fontsize() for text in others)
     line = figure._suptitle.get_window_extent()
     assert all(part.get_tightbbox().y1 <= line.y0 for part in [*figure.axes, *figure.legends])
     assert line.width <= figure.bbox.width
 
 
+@pytest.mark.parametrize("level", COLOURS)
 @pytest.mark.parametrize("kind", [kind for kind in LAYOUTS if kind != "comparison"])
-def test_the_line_names_the_ending_and_the_misfit(kind):
-    for ending in ("out of iterations", "stagnated"):
-        text = drawn(kind, ending)._suptitle.get_text()
-        assert f"not converged: {ending}" in text and "misfit of u 3.21 × noise" in text
+def test_the_line_begins_with_the_level_and_gives_the_reason(kind, level):
+    text = drawn(kind, level)._suptitle.get_text().replace("\n", " ")
+    assert text.startswith(f"{level}: {SENTENCES[level]}")
 
 
-def test_a_method_that_searches_for_no_field_has_no_line():
-    assert drawn("identification", None)._suptitle is None
+def test_what_passes_has_no_line():
+    assert drawn("identification", "pass")._suptitle is None
+
+
+def test_more_sentences_than_there_is_room_for_end_in_dots():
+    judged = verdict("fail")
+    file = evaluation("fail", verdict=json.dumps(judged | {"criteria": 3 * judged["criteria"]}))
+    figure = plt.figure(figsize=(7.2, 4.0))
+    write_verdict(figure, *run_verdict(file))
+    text = figure.get_suptitle()
+    assert text.count("\n") == LINES - 1 and text.endswith(" ...")
+
+
+def test_an_evaluation_without_a_verdict_is_answered_with_the_way_out():
+    file = evaluation()
+    del file.attrs["verdict"]
+    with pytest.raises(VerdictError, match="delete it and run again"):
+        run_verdict(file)
 
 
 def test_the_line_is_text_in_the_pdf():
-    def text(ending):
-        pdf = rendered(drawn("identification", ending), format="pdf")
+    def text(level):
+        pdf = rendered(drawn("identification", level), format="pdf")
         streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.S)
         pages = b"".join(zlib.decompress(s) for s in streams if s[:1] == b"\x78")
         # Letters stand in brackets, two bytes each, with their kerning between them.
         letters = b"".join(re.findall(rb"\((.*?)(?<!\\)\)", pages, re.S))
         return letters.replace(b"\0", b"").decode("latin-1")
 
-    assert "not converged: out of iterations" in text("out of iterations")
-    assert "not converged" not in text("converged")
+    assert "displacements over their noise is 3.21" in text("fail")
+    assert "displacements over their noise" not in text("pass")
 
 
-def test_a_comparison_marks_the_rows_that_did_not_converge():
-    figure = drawn("comparison", "stagnated")
+def test_a_comparison_marks_the_rows_that_do_not_pass():
+    figure = drawn("comparison", "warn")
     labels = {axes.get_ylabel(): axes.yaxis.label.get_color() for axes in figure.axes if axes.get_ylabel()}
-    assert labels == {"truth": "black", "first": "black", "second\n(not converged)": WARNING}
-    assert figure._suptitle.get_text() == "not converged: 1 of 2 rows"
+    assert labels == {"truth": "black", "first": "black", "second\n(warn)": COLOURS["warn"]}
+    assert figure._suptitle.get_text() == "warn: 1 pass, 1 warn, of 2 rows."

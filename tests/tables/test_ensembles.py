@@ -9,11 +9,11 @@ from tests.tables.files import evaluation
 SHAPE = (4, 2, 500, 2, 2)
 
 
-def table(folder, members, true, endings=()):
-    endings = dict(enumerate(endings))
+def table(folder, members, true, ends=()):
+    ends = dict(enumerate(ends))
     paths = [
         evaluation(
-            folder, "case", f"m{k}", {"ending": endings.get(k, "converged")}, {"P_identified": P, "P_true": true}
+            folder, "case", f"m{k}", {"ending": "converged"} | ends.get(k, {}), {"P_identified": P, "P_true": true}
         )
         for k, P in enumerate(members)
     ]
@@ -39,11 +39,13 @@ def test_a_common_error_of_all_members_is_not_covered(tmp_path):
     assert row["truth within two spreads"] < 0.05
 
 
-def test_an_ensemble_with_an_unfinished_member_says_so(tmp_path):
+def test_an_ensemble_counts_the_verdicts_of_its_members(tmp_path):
     members = [np.full(SHAPE, value) for value in (0.9, 1.1)]
-    assert "not converged" not in table(tmp_path / "a", members, np.ones(SHAPE)).shown
-    unfinished = table(tmp_path / "b", members, np.ones(SHAPE), ["converged", "out of iterations"])
-    assert "not converged" in unfinished.shown and unfinished.frame["not converged"].tolist() == [1]
+    assert "verdicts" not in table(tmp_path / "a", members, np.ones(SHAPE)).shown
+    ends = [{"verdict": "pass"}, {"ending": "stagnated", "verdict": "fail: not converged"}]
+    judged = table(tmp_path / "b", members, np.ones(SHAPE), ends)
+    assert judged.shown[-1] == "verdicts" and judged.frame["verdicts"].tolist() == ["1 pass, 1 fail"]
+    assert judged.frame["not converged"].tolist() == [1]
 
 
 def test_an_ensemble_of_one_is_refused(tmp_path):

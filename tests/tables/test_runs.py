@@ -1,4 +1,4 @@
-"""What a table of runs promises: nothing rounded in the CSV, the best marked, what did not converge said."""
+"""What a table of runs promises: nothing rounded in the CSV, the best marked, the verdict on every run."""
 
 import io
 
@@ -56,26 +56,30 @@ def test_values_that_print_alike_are_marked_alike(tmp_path):
     assert not build(paths[:2]).best, "where all print alike, none is the best"
 
 
-def test_a_run_that_did_not_converge_adds_the_column_that_says_so(three, tmp_path):
-    assert "ending" not in build(three).shown
-    stopped = evaluation(tmp_path, "star", "second", summary(0.4, ending="out of iterations"))
-    done = evaluation(tmp_path, "star", "third", summary(0.4, ending="converged"))
-    assert "ending" not in build([*three, done]).shown
-    table = build([*three, done, stopped])
+def test_every_table_of_runs_ends_with_their_verdicts(three, tmp_path):
+    assert "verdict" not in build(three).shown, "files without verdicts have no such column"
+    stopped = summary(0.4, ending="out of iterations", verdict="warn: not converged")
+    paths = [
+        evaluation(tmp_path, "star", "a", stopped),
+        evaluation(tmp_path, "star", "b", summary(0.4, verdict="pass")),
+    ]
+    table = build(paths)
     head, *rows = rows_of(markdown_text(table))
-    assert head[-1] == "ending" and [row[-1] for row in rows[-2:]] == ["out of iterations", "converged"]
-    assert [row[-1] for row in rows[:3]] == [""] * 3, "methods that search for no field have no ending"
-    assert "did not converge" in markdown_text(table) and "did not converge" in latex_text(table)
+    assert head[-1] == "verdict" and [row[-1] for row in rows] == ["warn: not converged", "pass"]
+    assert "hypernode verdict" in markdown_text(table) and "hypernode verdict" in latex_text(table)
+    assert build(paths, columns=["verdict", "Dice"]).shown == ["verdict", "Dice"], "it is not shown twice"
+    endings = pd.read_csv(io.StringIO(csv_text(table)))["ending"].fillna("").tolist()
+    assert endings == ["out of iterations", ""], "methods that search for no field have no ending"
 
 
-def test_a_table_of_unseen_loads_knows_from_the_evaluation_how_a_run_ended(tmp_path):
+def test_a_table_of_unseen_loads_knows_the_verdict_from_the_evaluation(tmp_path):
     paths = [
         evaluation(tmp_path, "disc", "m", {"unseen_force_error": 0.1}, stage="validation"),
-        evaluation(tmp_path, "disc", "m", summary(0.4, ending="stagnated")),
+        evaluation(tmp_path, "disc", "m", summary(0.4, verdict="fail: forces")),
     ]
     table = build(paths, kind="validation", columns=[])
     assert table.frame["forces under unseen loads"].tolist() == [0.1]
-    assert table.shown[-1] == "ending" and table.frame["ending"].tolist() == ["stagnated"]
+    assert table.shown[-1] == "verdict" and table.frame["verdict"].tolist() == ["fail: forces"]
 
 
 def test_a_number_says_which_deformation_it_was_judged_at(tmp_path):
@@ -97,17 +101,19 @@ def test_a_length_has_the_unit_of_the_sheet(tmp_path):
     assert rows_of(markdown_text(table)) == [["case", "method", "boundary distance [mm]"], ["specimen", "m", "1.25"]]
 
 
-def test_a_group_has_the_statistics_of_its_members_and_counts_the_unfinished(tmp_path):
+def test_a_group_has_the_statistics_of_its_members_and_counts_their_verdicts(tmp_path):
     errors = {"a": 0.1, "b": 0.2, "c": 0.6}
-    endings = {"c": {"ending": "out of iterations"}}
-    paths = [evaluation(tmp_path, "disc", m, summary(e, **endings.get(m, {}))) for m, e in errors.items()]
+    ends = {"c": {"ending": "out of iterations", "verdict": "warn: not converged"}}
+    paths = [evaluation(tmp_path, "disc", m, summary(e, **ends.get(m, {"verdict": "pass"}))) for m, e in errors.items()]
     table = build(paths, columns=["stress error"], groups={"all": "disc/*", "first": "disc/a"})
     frame = table.frame.set_index(["group", "statistic"])
     assert frame.loc[("all", "mean"), "stress error"] == pytest.approx(0.3)
     assert frame.loc[("all", "spread"), "stress error"] == pytest.approx((0.14 / 3) ** 0.5)
     assert frame.loc[("all", "median"), "stress error"] == 0.2
     assert frame.loc[("all", "largest"), "stress error"] == 0.6
-    assert table.shown == ["stress error", "not converged"] and frame["not converged"].tolist() == [1] * 4 + [0] * 4
+    assert table.shown == ["stress error", "verdicts"]
+    assert frame["verdicts"].tolist() == ["2 pass, 1 warn"] * 4 + ["1 pass"] * 4
+    assert frame["not converged"].tolist() == [1] * 4 + [0] * 4
     best = {tuple(table.frame.loc[index, ["group", "statistic"]]) for index, _ in table.best}
     assert best == {("first", "mean"), ("first", "median")}
 

@@ -16,6 +16,7 @@ from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.probes import indicator, stress_at_common_F
+from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, find_inclusion, most_interior, score_printed, score_shape
 from hypernode.evaluation.spread import score_spread
@@ -94,7 +95,7 @@ def _at_both_deformations(files, found) -> Judgement:
         "identified": np.moveaxis(field_gradient(files["field"]), (0, 1), (2, 3)),
     }
     stresses = {key: stress_at(found, mesh.centres, F) for key, F in deformations.items()}
-    judged = Judgement({"P_field": stresses["identified"]})
+    judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])
     for key, F in deformations.items():
         judged |= score_equilibrium(mesh, loading, measurement, F, stresses[key], key)
     if "F_truth" in measurement:

@@ -6,7 +6,7 @@ import numpy as np
 from hypernode.errors import ExpectedError
 from hypernode.evaluation.probes import indicator
 from hypernode.figures.style import ERROR_MAP, FIELD_MAP, colour_bar, draw_field, indicator_label, shared_norm
-from hypernode.figures.trust import WARNING, unfinished
+from hypernode.figures.trust import COLOURS, overall
 from hypernode.material.files import material_of
 from hypernode.storage.netcdf import units_of
 from hypernode.tables.columns import significant
@@ -17,7 +17,7 @@ class ComparisonError(ExpectedError, ValueError):
 
 
 def _rows(data, settings):
-    """(label, opened file, fields by stretch, true fields or None, how it ended if it did not converge) of each row."""
+    """(label, opened file, fields by stretch, true fields or None, level of its verdict) of each row."""
     stretches, kind, errors = settings["stretches"], settings["load"], settings["show"] == "error"
     rows = []
     for index, run in enumerate(settings["runs"]):
@@ -30,16 +30,16 @@ def _rows(data, settings):
         X = file["X"].values[file["cells"].values].mean(axis=1)
         true = None if truth is None else [indicator(material_of(truth), X, kind, s) for s in stretches]
         if true and index == 0 and not errors:
-            rows.append(("truth", file, true, None, ""))
+            rows.append(("truth", file, true, None, "pass"))
         found = [indicator(material_of(file), X, kind, s) for s in stretches]
-        rows.append((run["label"], file, found, true, unfinished(data[f"evaluation{index}"])))
+        rows.append((run["label"], file, found, true, overall(data[f"evaluation{index}"])))
     return rows
 
 
 def draw(data, settings: dict):
     """One row a run and one column a stretch: the stress when every point undergoes that stretch.
 
-    Rows of runs that did not converge say so in the colour of a warning.
+    Rows of runs that do not pass say so, in the colour of their verdict.
 
     Args:
         data: ``run0``, ``run1``, ...: opened material files; ``evaluation0``, ...; ``truth0``, ...: true materials
@@ -62,7 +62,7 @@ def draw(data, settings: dict):
             for _, _, found, true, _ in rows
         ]
         norm = shared_norm(np.percentile(np.concatenate(shown), [0.5, 99.5]))
-        for row, (title, file, found, true, ending) in enumerate(rows):
+        for row, (title, file, found, true, judged) in enumerate(rows):
             axes = panels[row, column]
             mappable = draw_field(axes, file, shown[row], norm, ERROR_MAP if errors else FIELD_MAP)
             axes.set_xticks([])
@@ -70,7 +70,8 @@ def draw(data, settings: dict):
             if row == 0:
                 axes.set_title(f"stretch {stretch:g}")
             if column == 0:
-                axes.set_ylabel(f"{title}\n(not converged)" if ending else title, color=WARNING if ending else "black")
+                colour = COLOURS.get(judged)
+                axes.set_ylabel(f"{title}\n({judged})" if colour else title, color=colour or "black")
             if true is not None:
                 error = np.linalg.norm(found[column] - true[column]) / np.linalg.norm(true[column])
                 axes.set_xlabel(f"error {significant(100 * error)} %", fontsize=6.5)

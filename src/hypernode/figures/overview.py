@@ -67,7 +67,7 @@ def draw(data, settings: dict):
     size = np.linalg.norm(u, axis=1)[evaluation["cells"].values].mean(axis=1)
     strain, found = evaluation["principal_strain_measured"].values[step], evaluation["trace_P"].values
     stress = indicator_label(evaluation.attrs["load"], units)
-    figure = plt.figure(figsize=(7.2, 3.9))
+    figure = plt.figure(figsize=(7.2, 4.2))
     fields = (
         ([0.02, 0.54, 0.2, 0.33], size, FIELD_MAP, "measured displacement", "$|u|$" + unit_label(units["length"])),
         ([0.3, 0.54, 0.2, 0.33], strain, STRAIN_MAP, "deformation", "max. principal strain [-]"),

@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 
 from hypernode.figures import anisotropy, comparison, identification, overview, references
 from hypernode.figures.style import RC, save
-from hypernode.figures.trust import rows_warning, run_warning, warn
+from hypernode.figures.trust import rows_verdict, run_verdict, write_verdict
 from hypernode.storage.netcdf import read
 
 #: Kind of figure -> module with its function ``draw(data, settings)``.
@@ -20,7 +20,7 @@ LAYOUTS = {
 
 
 def compose(data: Mapping, settings: dict):
-    """The figure, with a warning on top where a run in it did not converge.
+    """The figure, with the verdict on top where a run in it does not pass.
 
     Args:
         data: opened files by name: ``evaluation``, or ``evaluation0``, ... of a comparison, and what its layout needs.
@@ -29,9 +29,10 @@ def compose(data: Mapping, settings: dict):
     with plt.rc_context(RC):
         figure = LAYOUTS[settings["kind"]].draw(data, settings)
         if settings["kind"] == "comparison":
-            warn(figure, rows_warning([data[f"evaluation{index}"] for index in range(len(settings["runs"]))]))
+            evaluations = [data[f"evaluation{index}"] for index in range(len(settings["runs"]))]
+            write_verdict(figure, *rows_verdict(evaluations))
         else:
-            warn(figure, run_warning(data["evaluation"]))
+            write_verdict(figure, *run_verdict(data["evaluation"]))
     return figure
 
 

@@ -1,54 +1,50 @@
 """What a figure says first where its numbers are not to be relied on."""
 
-import json
+import textwrap
 
-from hypernode.tables.columns import significant
-from hypernode.tables.runs import CONVERGED
+from hypernode.tables.verdicts import LEVELS, RunVerdict, count
 
-#: Colour of a warning, used for nothing else.
-WARNING = "#C00000"
-#: Size of a warning's letters in points, unless the figure is too narrow for it.
-LARGE = 12.0
+#: Colours of the levels that are written, used for nothing else. Amber is twice as light as red, so that they differ
+#: without colours too; the text begins with the level in any case.
+COLOURS = {"fail": "#C00000", "warn": "#B86E00"}
+#: Lines that there is room for above a figure; the command ``hypernode verdict`` prints what they leave out.
+LINES = 2
+#: Size of the letters in points.
+SIZE = 10.0
 #: Mean width of a bold letter over its size.
 LETTER = 0.6
 
 
-def unfinished(evaluation) -> str:
-    """How a run ended that did not converge, empty for all others.
-
-    Methods that search for no equilibrium field do not say how they ended, and nothing is said of them.
-    """
-    ending = json.loads(evaluation.attrs["summary"]).get("ending", CONVERGED)
-    return "" if ending == CONVERGED else ending
+def overall(evaluation) -> str:
+    """The overall level of an opened evaluation."""
+    return RunVerdict.of(evaluation).overall
 
 
-def run_warning(evaluation) -> list[str]:
-    """Lines that say that a run did not converge, and its misfit; none where it did."""
-    ending = unfinished(evaluation)
-    if not ending:
-        return []
-    misfit = json.loads(evaluation.attrs["summary"]).get("displacement_misfit")
-    return [f"not converged: {ending}", *([] if misfit is None else [f"misfit of u {significant(misfit)} × noise"])]
+def run_verdict(evaluation) -> tuple[str, list[str]]:
+    """(level, sentences on what is not met) of one run; no sentences where it passes."""
+    verdict = RunVerdict.of(evaluation)
+    return verdict.overall, verdict.sentences
 
 
-def rows_warning(evaluations) -> list[str]:
-    """The line above several runs of which some did not converge; none where all did."""
-    stopped = sum(bool(unfinished(evaluation)) for evaluation in evaluations)
-    return [f"not converged: {stopped} of {len(evaluations)} rows"] if stopped else []
+def rows_verdict(evaluations) -> tuple[str, list[str]]:
+    """(worst level, how many rows have which) of several runs; nothing to say where all pass."""
+    levels = [overall(evaluation) for evaluation in evaluations]
+    worst = min(levels, key=LEVELS.index)
+    return worst, [f"{count(levels)}, of {len(levels)} rows."] if worst in COLOURS else []
 
 
-def warn(figure, lines: list[str]) -> None:
-    """Write a warning across the top of a figure, in one line where there is room.
+def write_verdict(figure, level: str, sentences: list[str]) -> None:
+    """Write a verdict across the top of a figure; nothing is changed where it says nothing.
 
     Args:
         figure: a matplotlib figure whose layout leaves room for a title.
-        lines: what to write; nothing is changed where it is empty.
+        level: one of :data:`COLOURS`, where there are sentences.
+        sentences: what to write after the level.
     """
-    if not lines:
+    if not sentences:
         return
-    room = 72.0 * figure.get_figwidth() / LETTER
-    text = "; ".join(lines)
-    if len(text) * LARGE > room:
-        text = "\n".join(lines)
-    longest = max(map(len, text.splitlines()))
-    figure.suptitle(text, color=WARNING, fontweight="bold", fontsize=min(LARGE, room / longest))
+    letters = int(72.0 * figure.get_figwidth() / (LETTER * SIZE))
+    text = textwrap.fill(f"{level}: {' '.join(sentences)}", letters, max_lines=LINES, placeholder=" ...")
+    # A layout engine finds the place; without one, the line goes to where a figure leaves room for it.
+    place = {} if figure.get_layout_engine() else {"y": 0.99}
+    figure.suptitle(text, color=COLOURS[level], fontweight="bold", fontsize=SIZE, **place)

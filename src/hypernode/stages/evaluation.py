@@ -9,6 +9,7 @@ from hypernode.config.geometries import Image
 from hypernode.config.model import Config
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.shape import PrintedShape
+from hypernode.evaluation.verdict import judge_run
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.synthetic.geometry import make_shape
@@ -38,6 +39,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         inside = make_shape(Image(shape="image", path=printed))
         shape = PrintedShape(inside, corners, config.specimens[case.specimen].shape_flipped)
     judged = judge(data, kind, stretches, shape)
+    verdict = judge_run(judged.summary, measurement, data.get("constrained"))
+    summary = {"case": name, "verdict": verdict.label, **judged.summary}
     weights = _trained_weights(data["material"])
     write(
         output,
@@ -51,7 +54,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
             "load": kind,
             "shape_stretch": shape_stretch(measurement),
             "raw_inputs": {printed: sha256(printed)} if printed else {},
-            "summary": {"case": name, **judged.summary, **({"parameters": weights} if weights else {})},
+            "summary": summary | ({"parameters": weights} if weights else {}),
+            "verdict": verdict.stored(),
         },
         parents=opened,
     )

@@ -72,7 +72,8 @@ def _overlap(key: str) -> Column:
     return Column(key, "share", better="high", judged_at="prescribed")
 
 
-ENDING = "ending"
+#: Columns that a table shows beyond those that are chosen, and what the same is called for a group of runs.
+VERDICT, VERDICTS = "verdict", "verdicts"
 _RUNS = {
     "stress error": _error("stress_error"),
     "all modes": _error("stress_error_all_modes"),
@@ -106,6 +107,8 @@ _RUNS = {
     "SNR measured": Column("snr_measured", "number", "dB"),
     "SNR smoothed": Column("snr_smoothed", "number", "dB"),
     "SNR used": Column("snr_used", "number", "dB"),
+    "smallest stretch seen": Column("smallest_stretch", "number", judged_at="identified"),
+    "largest stretch seen": Column("largest_stretch", "number", judged_at="identified"),
     "parameters": Column("parameters", "count"),
 }
 _VALIDATION = {
@@ -120,7 +123,7 @@ _REFERENCES = {
 }
 #: Kind of table -> name -> column. The names are those that a configuration uses.
 COLUMNS = {
-    kind: columns | {ENDING: Column("ending", "text")}
+    kind: columns | {"ending": Column("ending", "text"), VERDICT: Column("verdict", "text")}
     for kind, columns in (("runs", _RUNS), ("validation", _VALIDATION), ("references", _REFERENCES))
 }
 #: Kind of table -> what it shows where the configuration does not choose.

@@ -8,7 +8,7 @@ import numpy as np
 from hypernode.errors import ExpectedError
 from hypernode.storage.netcdf import read
 from hypernode.tables.columns import Column
-from hypernode.tables.runs import CONVERGED, NOT_CONVERGED
+from hypernode.tables.runs import CONVERGED, GROUP, VERDICTS, judged_levels
 from hypernode.tables.table import Table, judged_notes, make_frame
 
 COLUMNS = {
@@ -16,8 +16,7 @@ COLUMNS = {
     "error of the mean": Column("", "percent", judged_at="prescribed"),
     "spread": Column("", "percent", judged_at="prescribed"),
     "truth within two spreads": Column("", "share", judged_at="prescribed"),
-    "not converged": NOT_CONVERGED,
-}
+} | GROUP
 
 
 class EnsembleError(ExpectedError, ValueError):
@@ -50,14 +49,18 @@ def ensemble_table(evaluations: list[str], groups: dict[str, str]) -> Table:
                 f"tables: the ensemble '{label}' ({pattern}) has {len(members)} members with a known truth, and needs "
                 "two; widen its pattern, or the table's 'runs'"
             )
-        endings = [json.loads(file.attrs["summary"]).get("ending", CONVERGED) for file in members]
+        summaries = [json.loads(file.attrs["summary"]) for file in members]
+        stopped = sum(summary.get("ending", CONVERGED) != CONVERGED for summary in summaries)
         rows.append(
             {"ensemble": label, "runs": len(members)}
             | dict(zip(COLUMNS, _calibration(members), strict=False))
-            | {"not converged": sum(ending != CONVERGED for ending in endings)}
+            | {"not converged": stopped, VERDICTS: judged_levels(summaries)}
         )
     frame = make_frame(rows, ["ensemble", "runs"], COLUMNS)
-    shown = [name for name in COLUMNS if name != "not converged" or frame[name].sum()]
+    # Counts of verdicts say more than how many did not converge, which the CSV file has.
+    shown = [name for name in COLUMNS if name not in GROUP]
+    if (frame[VERDICTS] != "").any():
+        shown.append(VERDICTS)
     return Table(frame, COLUMNS, shown, notes=judged_notes(COLUMNS, shown))
 
 

@@ -1,26 +1,29 @@
 """Tables of runs: one row a run, or a few statistics of each group of runs."""
 
 import json
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
 
 import numpy as np
 
 from hypernode.storage.netcdf import read, units_of
-from hypernode.tables.columns import COLUMNS, DEFAULT, ENDING, Column
+from hypernode.tables.columns import COLUMNS, DEFAULT, VERDICT, VERDICTS, Column
 from hypernode.tables.table import Table, best_values, judged_notes, make_frame
+from hypernode.tables.verdicts import count
 
 #: Statistic of a group -> function of its values.
 STATISTICS = {"mean": np.mean, "spread": np.std, "median": np.median, "largest": np.max}
 #: Statistics of which a smaller or larger one is better, as its column says.
 COMPARED = ("mean", "median")
 CONVERGED = "converged"
-ENDING_NOTE = (
-    "ending: how the search for the equilibrium field ended; numbers of a run that did not converge are those of an "
-    "unfinished identification."
+VERDICT_NOTE = (
+    "verdict: how far a run can be believed by its own numbers, the worst of its criteria; the command hypernode "
+    "verdict prints a sentence on each that is not met."
 )
 BEST_NOTE = "Bold: best of a case."
-NOT_CONVERGED = Column("", "count")
+#: Columns of groups.
+GROUP = {"not converged": Column("", "count"), VERDICTS: Column("", "text")}
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,11 @@ class Run:
     def converged(self) -> bool:
         """False where the run says that it ended otherwise; methods that search for no field say nothing."""
         return self.summary.get("ending", CONVERGED) == CONVERGED
+
+
+def judged_levels(summaries: Iterable[Mapping]) -> str:
+    """How many of these runs pass, warn and fail: ``7 pass, 2 warn``; empty where none has a verdict."""
+    return count(summary[VERDICT].partition(":")[0] for summary in summaries if VERDICT in summary)
 
 
 def read_runs(paths: list[str]) -> list[Run]:
@@ -66,7 +74,7 @@ def _columns(kind: str, runs: list[Run]) -> dict[str, Column]:
 def run_table(runs: list[Run], kind: str, chosen: list[str]) -> Table:
     """One row a run, the best of a case marked.
 
-    The column ``ending`` is shown, beyond those chosen, where a run did not converge.
+    The column ``verdict`` is shown beyond those chosen: no choice of columns hides what a run is worth.
 
     Args:
         runs: the rows.
@@ -82,9 +90,9 @@ def run_table(runs: list[Run], kind: str, chosen: list[str]) -> Table:
     ]
     frame = make_frame(rows, labels, columns)
     shown, notes = list(chosen or DEFAULT[kind]), []
-    if not all(run.converged for run in runs):
-        shown = [*shown, ENDING] if ENDING not in shown else shown
-        notes.append(ENDING_NOTE)
+    if frame[VERDICT].notna().any():
+        shown = [*shown, VERDICT] if VERDICT not in shown else shown
+        notes.append(VERDICT_NOTE)
     best = best_values(frame, {name: columns[name] for name in shown}, "case")
     notes = [*judged_notes(columns, shown), *notes, *([BEST_NOTE] if best else [])]
     return Table(frame, columns, shown, best, notes)
@@ -93,7 +101,7 @@ def run_table(runs: list[Run], kind: str, chosen: list[str]) -> Table:
 def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str, str]) -> Table:
     """Mean, spread, median and largest value of every group of runs, the best group marked.
 
-    The number of runs that did not converge is shown, beyond the columns chosen, where there are any.
+    How many runs pass, warn and fail is shown beyond the columns chosen.
 
     Args:
         runs: all runs.
@@ -106,13 +114,16 @@ def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str,
         name: replace(column, style="number") if column.style == "count" else column
         for name, column in _columns(kind, runs).items()
         if column.style != "text"
-    } | {"not converged": NOT_CONVERGED}
+    } | GROUP
     rows = []
     for label, pattern in groups.items():
         members = [run for run in runs if run.matches(pattern)]
-        ended = sum(not run.converged for run in members)
+        both = {
+            "not converged": sum(not run.converged for run in members),
+            VERDICTS: judged_levels(run.summary for run in members),
+        }
         for statistic, function in STATISTICS.items():
-            row = {"group": label, "runs": len(members), "statistic": statistic, "not converged": ended}
+            row = {"group": label, "runs": len(members), "statistic": statistic} | both
             for name, column in columns.items():
                 values = [v for run in members if (v := run.summary.get(column.key)) is not None and v == v]
                 if values:
@@ -120,8 +131,8 @@ def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str,
             rows.append(row)
     frame = make_frame(rows, ["group", "runs", "statistic"], columns)
     shown = list(chosen or DEFAULT[kind][:7])
-    if frame["not converged"].sum():
-        shown.append("not converged")
+    if (frame[VERDICTS] != "").any():
+        shown.append(VERDICTS)
     compared = frame[frame["statistic"].isin(COMPARED)]
     best = best_values(compared, {name: columns[name] for name in shown}, "statistic")
     notes = [*judged_notes(columns, shown), *(["Bold: best group."] if best else [])]

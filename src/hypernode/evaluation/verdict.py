@@ -1,0 +1,238 @@
+"""How far a run can be believed: criteria, each with its number, its threshold and one sentence."""
+
+import enum
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+import xarray as xr
+
+from hypernode.data.loading import Loading
+from hypernode.data.measurement import displacement_noise, is_cut_out, mesh_of
+from hypernode.evaluation.equilibrium import prescribed_nodes
+from hypernode.fem.mesh import EDGES
+
+#: Criterion -> what a verdict calls it where it is not met, if not by its name.
+UNMET = {"convergence": "not converged"}
+#: How a descent ends that is finished, as constrained.nc says it.
+CONVERGED = "converged"
+
+
+class Level(enum.StrEnum):
+    """What a criterion says, from the best to the worst; ``NOT_JUDGED`` where a run lacks the number."""
+
+    NOT_JUDGED = "not judged"
+    PASSED = "pass"
+    WARNED = "warn"
+    FAILED = "fail"
+
+    @property
+    def rank(self) -> int:
+        """Larger is worse."""
+        return list(Level).index(self)
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Numbers beyond which a criterion warns and fails."""
+
+    warn: float
+    fail: float
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Every threshold of a verdict. They follow from what a number means, and not from any case."""
+
+    #: Standard deviations of the misfit of displacements that chance makes: beyond three once in 700 runs.
+    chance: float = 3.0
+    #: Excess of the misfit that does not count: noise itself is seldom known to better than a twentieth.
+    noise_known: float = 0.05
+    #: Misfit of displacements of which three quarters of the squares are no noise.
+    misfit_fail: float = 2.0
+    #: Misfit below which the field has taken up more than a third of what independent noise leaves, 1 - 0.8^2.
+    misfit_low: float = 0.8
+    #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
+    force_uncertainty: float = 0.01
+    #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.
+    force: Threshold = Threshold(3.0, 10.0)
+    #: What no material of the basis follows, over the forces: as much as a load cell and the scatter between frames
+    #: make, and a share of the force that would fail by itself.
+    law: Threshold = Threshold(0.015, 0.10)
+    #: The true stress is in equilibrium, so that the identified one is wrong by the gap at least: several times
+    #: what finite elements leave of an exact field, and a fifth of the stress.
+    equilibrium: Threshold = Threshold(0.05, 0.20)
+    #: Standard deviation of the stiffness over itself: phases that differ by a fifth are then two of them apart, and
+    #: zero stiffness is.
+    spread: Threshold = Threshold(0.10, 0.50)
+
+
+SETTINGS = Settings()
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """One thing that a run is asked.
+
+    Attributes:
+        name: what it is about.
+        level: what it says.
+        sentence: the same in words.
+        value: the number judged, None where there is none or it is not finite.
+        threshold: the threshold that was passed, or else the first one, in the unit of ``value``.
+    """
+
+    name: str
+    level: Level
+    sentence: str
+    value: float | None = None
+    threshold: float | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All criteria of a run."""
+
+    criteria: tuple[Criterion, ...]
+
+    @property
+    def overall(self) -> Level:
+        """The worst level of the criteria that are judged."""
+        return max((criterion.level for criterion in self.criteria), key=lambda level: level.rank)
+
+    @property
+    def label(self) -> str:
+        """The overall level, and the criteria that are to blame: ``pass``, ``warn: not converged``."""
+        blamed = [UNMET.get(c.name, c.name) for c in self.criteria if c.level is self.overall is not Level.PASSED]
+        return f"{self.overall}: {', '.join(blamed)}" if blamed else str(self.overall)
+
+    def stored(self) -> dict:
+        """The verdict as result files hold it: ``overall`` and ``criteria``."""
+        return {"overall": str(self.overall), "criteria": [asdict(criterion) for criterion in self.criteria]}
+
+
+def judge_run(
+    summary: Mapping[str, object],
+    measurement: xr.Dataset,
+    constrained: xr.Dataset | None = None,
+    settings: Settings = SETTINGS,
+) -> Verdict:
+    """The verdict on one run.
+
+    Args:
+        summary: numbers of its evaluation.
+        measurement, constrained: opened files; no constrained field where the method has none.
+    """
+    uncertainty = max(float(measurement.attrs["force_uncertainty"]), settings.force_uncertainty)
+    force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
+    explained = _displacements(summary, measurement, constrained, settings)
+    return Verdict(
+        (
+            _convergence(summary, explained),
+            explained,
+            _limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], force),
+            _law(constrained, settings),
+            _equilibrium(summary, measurement, settings),
+            _force_record(measurement),
+            _spread(summary, settings),
+        )
+    )
+
+
+def _not_judged(name: str, sentence: str) -> Criterion:
+    return Criterion(name, Level.NOT_JUDGED, sentence)
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.0f} %" if value >= 10.0 else f"{100.0 * value:.3g} %"
+
+
+def _limited(name: str, words: str, value: float, threshold: Threshold, shown=_percent) -> Criterion:
+    """A number that should be small; one that is not finite fails."""
+    value = float(value)
+    if not math.isfinite(value):
+        return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)
+    level = Level.FAILED if value > threshold.fail else Level.WARNED if value > threshold.warn else Level.PASSED
+    limit = threshold.fail if level is Level.FAILED else threshold.warn
+    compared = "no more than" if level is Level.PASSED else "more than"
+    return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value, limit)
+
+
+def _convergence(summary, explained: Criterion) -> Criterion:
+    name, ending = "convergence", summary.get("ending")
+    if ending is None:
+        return _not_judged(name, "The method searches for no equilibrium field.")
+    if ending == CONVERGED:
+        return Criterion(name, Level.PASSED, "The equilibrium field converged.")
+    sentence = f"The equilibrium field did not converge ({ending})"
+    too_small = explained.value is not None and explained.value < explained.threshold
+    if explained.level is not Level.PASSED and not too_small:
+        return Criterion(name, Level.FAILED, f"{sentence}, nor does it explain the displacements.")
+    return Criterion(name, Level.WARNED, f"{sentence}.")
+
+
+def observed_displacements(measurement: xr.Dataset) -> int:
+    """Number of measured displacement components that are not prescribed, over all load steps."""
+    mesh = mesh_of(measurement)
+    prescribed = prescribed_nodes(mesh, Loading.of(measurement))
+    if is_cut_out(measurement):
+        for edge in EDGES:
+            prescribed[:, mesh.on_edge(edge)] = True
+    return int((~prescribed).sum())
+
+
+def _displacements(summary, measurement, constrained, settings: Settings) -> Criterion:
+    """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
+    name = "displacements"
+    if constrained is None:
+        return _not_judged(name, "The method computes no displacements.")
+    noise, sigma = displacement_noise(measurement), float(constrained.attrs["displacement_sigma"])
+    # The uncertainty is noise and the error of finite elements together: the larger of the two rules it.
+    noisy = 2.0 * noise**2 >= sigma**2
+    value = float(summary["displacement_misfit"])
+    words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
+    if noisy and value < settings.misfit_low:
+        sentence = (
+            f"{words} {value:.2f}, less than {settings.misfit_low:.2f}: the noise is stated too large, or is fitted."
+        )
+        return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
+    by_chance = settings.chance / math.sqrt(2.0 * observed_displacements(measurement)) if noisy else 0.0
+    threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
+    return _limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _law(constrained, settings: Settings) -> Criterion:
+    name = "law"
+    if constrained is None:
+        return _not_judged(name, "The method does not say what its basis cannot follow.")
+    misfits = json.loads(constrained.attrs["homogeneous_force_misfit"])
+    # The maximum of Python's own loses what is not a number.
+    worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
+    return _limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
+
+
+def _equilibrium(summary, measurement, settings: Settings) -> Criterion:
+    name = "equilibrium"
+    if is_cut_out(measurement):
+        # The gap takes the sides of the grid as free, and those of a cut carry forces that nobody knows.
+        return _not_judged(name, "The grid is cut out of a larger sheet, and the forces on its sides are not known.")
+    gap = summary["equilibrium_gap_identified"]
+    return _limited(name, "The stress is out of equilibrium by", gap, settings.equilibrium)
+
+
+def _force_record(measurement) -> Criterion:
+    name, findings = "force record", measurement.attrs.get("force_findings")
+    if findings is None:
+        return _not_judged(name, "The measurement holds no checks of a force record.")
+    findings = json.loads(findings)
+    if not findings:
+        return Criterion(name, Level.PASSED, "The checks of the force record found nothing.", 0.0, 0.0)
+    return Criterion(name, Level.WARNED, f"Force record: {' '.join(findings)}", float(len(findings)), 0.0)
+
+
+def _spread(summary, settings: Settings) -> Criterion:
+    name = "uncertainty"
+    if "spread" not in summary:
+        return _not_judged(name, "There are no posterior samples.")
+    return _limited(name, "Posterior samples scatter by", summary["spread"], settings.spread)

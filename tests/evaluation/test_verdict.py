@@ -1,0 +1,214 @@
+"""A verdict is the worst of its criteria, and each follows from the number it names."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from hypernode.data.loading import Loading
+from hypernode.data.measurement import mesh_of
+from hypernode.evaluation.equilibrium import prescribed_nodes
+from hypernode.evaluation.region import score_region
+from hypernode.evaluation.verdict import (
+    CONVERGED,
+    SETTINGS,
+    Criterion,
+    Level,
+    Threshold,
+    Verdict,
+    judge_run,
+    observed_displacements,
+)
+from hypernode.identification.estimate import Ending
+from hypernode.mechanics.loads import make_load
+from hypernode.tables.verdicts import LEVELS
+from tests.sheets import sheet, square
+
+NOISE = 1e-3
+GOOD = {
+    "ending": CONVERGED,
+    "displacement_misfit": 1.0,
+    "edge_force_error_identified": 0.005,
+    "equilibrium_gap_identified": 0.01,
+    "spread": 0.02,
+}
+
+
+@pytest.fixture(scope="module")
+def clean():
+    """A measured sheet, without noise."""
+    measurement, _, _ = sheet(8, square, make_load("biaxial", [[1.05, 1.04], [1.1, 1.06]]), terms=("I1_squared",))
+    return measurement.assign_attrs(displacement_noise=0.0, force_uncertainty=0.0, outline="edge")
+
+
+@pytest.fixture(scope="module")
+def measurement(clean):
+    return clean.assign_attrs(displacement_noise=NOISE)
+
+
+def constrained(sigma=NOISE, law=(0.002, 0.003)):
+    return xr.Dataset(attrs={"displacement_sigma": sigma, "homogeneous_force_misfit": json.dumps(list(law))})
+
+
+def judged(measurement, field=None, **numbers):
+    return judge_run(GOOD | numbers, measurement, constrained() if field is None else field)
+
+
+def criterion(verdict, name) -> Criterion:
+    (found,) = [each for each in verdict.criteria if each.name == name]
+    return found
+
+
+def level(verdict, name) -> Level:
+    return criterion(verdict, name).level
+
+
+def test_a_good_run_passes_and_says_so_in_one_word(measurement):
+    verdict = judged(measurement)
+    assert verdict.label == verdict.overall == "pass"
+    unjudged = [each.name for each in verdict.criteria if each.level is Level.NOT_JUDGED]
+    assert unjudged == ["force record"]
+
+
+def test_the_verdict_is_the_worst_criterion_and_names_what_is_to_blame(measurement):
+    verdict = judged(measurement, ending="out of iterations", spread=0.2)
+    assert verdict.label == "warn: not converged, uncertainty"
+    verdict = judged(measurement, ending="out of iterations", edge_force_error_identified=0.2)
+    assert verdict.label == "fail: forces"
+
+
+def test_what_is_not_judged_changes_no_verdict():
+    unjudged, passed = (Criterion("a", each, ".") for each in (Level.NOT_JUDGED, Level.PASSED))
+    assert Verdict((unjudged, passed)).overall is Level.PASSED
+    assert Verdict((unjudged,)).overall is Level.NOT_JUDGED
+
+
+def test_levels_are_those_that_tables_and_figures_read():
+    assert [str(each) for each in reversed(Level) if each is not Level.NOT_JUDGED] == list(LEVELS)
+    assert str(Ending.CONVERGED) == CONVERGED
+
+
+def test_a_run_that_did_not_converge_fails_only_where_it_does_not_explain_the_displacements(measurement):
+    for ending in ("stagnated", "out of iterations"):
+        for misfit, wanted in ((0.5, Level.WARNED), (1.0, Level.WARNED), (1.5, Level.FAILED), (3.0, Level.FAILED)):
+            verdict = judged(measurement, ending=ending, displacement_misfit=misfit)
+            assert level(verdict, "convergence") is wanted
+            assert ending in criterion(verdict, "convergence").sentence
+
+
+def test_the_misfit_of_noise_may_exceed_one_by_chance_and_no_more(measurement):
+    count = observed_displacements(measurement)
+    by_chance = 3.0 / np.sqrt(2.0 * count)
+    assert by_chance > SETTINGS.noise_known, "on so few displacements chance is the wider of the two"
+    for misfit, wanted in (
+        (0.79, Level.WARNED),
+        (0.81, Level.PASSED),
+        (1.0 + 0.99 * by_chance, Level.PASSED),
+        (1.0 + 1.01 * by_chance, Level.WARNED),
+        (2.01, Level.FAILED),
+    ):
+        assert level(judged(measurement, displacement_misfit=misfit), "displacements") is wanted
+
+
+def test_the_misfit_of_drawn_noise_is_within_chance(measurement):
+    count = observed_displacements(measurement)
+    draws = np.random.default_rng(0).normal(size=(200, count))
+    levels = [
+        level(judged(measurement, displacement_misfit=misfit), "displacements")
+        for misfit in np.sqrt(np.mean(draws**2, axis=1))
+    ]
+    assert levels.count(Level.PASSED) >= 198
+
+
+def test_without_noise_a_small_misfit_is_well_and_a_large_one_is_not(clean):
+    field = constrained(sigma=4e-5)
+    for misfit, wanted in ((0.02, Level.PASSED), (1.5, Level.WARNED), (7.6, Level.FAILED)):
+        assert level(judged(clean, field, displacement_misfit=misfit), "displacements") is wanted
+
+
+def test_observed_are_the_displacements_that_nothing_prescribes(measurement):
+    steps, nodes = len(measurement["load_case"]), measurement.sizes["node"]
+    prescribed = prescribed_nodes(mesh_of(measurement), Loading.of(measurement)).sum()
+    assert observed_displacements(measurement) == 2 * steps * nodes - prescribed
+    inner = (int(np.sqrt(nodes)) - 2) ** 2
+    assert observed_displacements(measurement.assign_attrs(outline="cut")) == 2 * steps * inner
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "threshold"),
+    [
+        ("forces", "edge_force_error_identified", Threshold(0.03, 0.10)),
+        ("equilibrium", "equilibrium_gap_identified", SETTINGS.equilibrium),
+        ("uncertainty", "spread", SETTINGS.spread),
+    ],
+)
+def test_a_relative_number_warns_and_fails_beyond_its_thresholds(measurement, name, key, threshold):
+    for value, wanted, limit in (
+        (0.9 * threshold.warn, Level.PASSED, threshold.warn),
+        (1.1 * threshold.warn, Level.WARNED, threshold.warn),
+        (1.1 * threshold.fail, Level.FAILED, threshold.fail),
+    ):
+        found = criterion(judged(measurement, **{key: value}), name)
+        assert (found.level, found.value) == (wanted, value) and found.threshold == pytest.approx(limit)
+
+
+def test_what_no_material_of_the_basis_follows_is_judged_by_the_worst_load_case(measurement):
+    for law, wanted in (((0.01, 0.002), Level.PASSED), ((0.002, 0.05), Level.WARNED), ((0.3, 0.002), Level.FAILED)):
+        assert level(judged(measurement, constrained(law=law)), "law") is wanted
+
+
+def test_forces_are_judged_against_the_uncertainty_that_is_stated_for_them(measurement):
+    uncertain = measurement.assign_attrs(force_uncertainty=0.02)
+    for value, wanted in ((0.05, Level.PASSED), (0.07, Level.WARNED), (0.21, Level.FAILED)):
+        assert level(judged(uncertain, edge_force_error_identified=value), "forces") is wanted
+
+
+def test_a_number_that_is_not_finite_fails_and_is_stored_as_none(measurement):
+    for key, name in (
+        ("equilibrium_gap_identified", "equilibrium"),
+        ("displacement_misfit", "displacements"),
+        ("edge_force_error_identified", "forces"),
+    ):
+        for value in (np.nan, np.inf):
+            found = criterion(judged(measurement, **{key: value}), name)
+            assert found.level is Level.FAILED and found.value is None
+    assert level(judged(measurement, constrained(law=(0.001, np.nan))), "law") is Level.FAILED
+
+
+def test_a_method_without_an_equilibrium_field_is_judged_by_forces_and_equilibrium(measurement):
+    numbers = {key: GOOD[key] for key in ("edge_force_error_identified", "equilibrium_gap_identified")}
+    verdict = judge_run(numbers, measurement)
+    found = [each.name for each in verdict.criteria if each.level is not Level.NOT_JUDGED]
+    assert verdict.label == "pass" and found == ["forces", "equilibrium"]
+
+
+def test_the_sides_of_a_cut_grid_carry_forces_so_that_its_equilibrium_is_not_judged(measurement):
+    verdict = judged(measurement.assign_attrs(outline="cut"), equilibrium_gap_identified=0.9)
+    assert level(verdict, "equilibrium") is Level.NOT_JUDGED
+
+
+def test_what_the_checks_of_a_force_record_found_is_a_warning_in_their_words(measurement):
+    said = ["The force does not rise with the stretch."]
+    verdict = judged(measurement.assign_attrs(force_findings=json.dumps(said)))
+    assert verdict.label == "warn: force record" and said[0] in criterion(verdict, "force record").sentence
+    assert judged(measurement.assign_attrs(force_findings="[]")).label == "pass"
+
+
+def test_a_stored_verdict_is_strict_json_with_every_criterion(measurement):
+    verdict = judged(measurement, equilibrium_gap_identified=np.nan)
+    stored = json.loads(json.dumps(verdict.stored(), allow_nan=False))
+    assert stored["overall"] == "fail" and len(stored["criteria"]) == len(verdict.criteria)
+    assert all(each.keys() == {"name", "level", "value", "threshold", "sentence"} for each in stored["criteria"])
+
+
+def test_thresholds_are_settings(measurement):
+    strict = replace(SETTINGS, spread=Threshold(0.01, 0.015))
+    assert judge_run(GOOD, measurement, constrained(), strict).label == "fail: uncertainty"
+
+
+def test_the_region_of_deformations_is_that_of_the_principal_stretches():
+    turn = np.array([[0.6, -0.8], [0.8, 0.6]])
+    F = np.stack([turn @ np.diag(stretches) for stretches in ((1.3, 0.9), (1.1, 0.8), (1.0, 1.0))])[None]
+    assert score_region(F).summary == pytest.approx({"smallest_stretch": 0.8, "largest_stretch": 1.3})
