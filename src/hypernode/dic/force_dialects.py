@@ -71,7 +71,6 @@ DIALECTS = (
         program="DaVis load record",
         time=("time",),
         force={PULL: ()},
-        displacement={PULL: ("crosshead", "machine displacement")},
         image=("image index (image index)",),
         also=("image index (image index)",),
         preamble=0,
