@@ -153,8 +153,8 @@ CHANGES = {
     "reversed": (lambda t, d, f: (t, d, -f), "sign of the record"),
     "constant": (lambda t, d, f: (t, d, 0.0 * f + 5.0), "the force stays between"),
     "times 1000": (lambda t, d, f: (t, d, np.where(t > 9.0, 1000.0, 1.0) * f), "a factor of 1000 between two samples"),
-    "two seconds late": (lambda t, d, f: (t + 2.0, d, f), "2 s later in the record"),
-    "two seconds early": (lambda t, d, f: (t - 2.0, d, f), "2 s earlier in the record"),
+    "two seconds late": (lambda t, d, f: (t + 2.0, d, f), "off that of the pictures by \\+2 s"),
+    "two seconds early": (lambda t, d, f: (t - 2.0, d, f), "off that of the pictures by -2 s"),
 }
 
 

@@ -12,7 +12,7 @@ from hypernode.dic.force_matching import pull_record
 from hypernode.dic.force_record import read_force_record
 
 PLAIN = 'Time,Displacement,Force\n(s),(mm),(N)\n"0.0","0.0","1.5"\n"0.5","0.2","2.5"\n'
-# Every file below holds the same pull: 1.5 and 2.5 N at 0 and 0.5 s, the crosshead, where there is one, at 0 and 0.2 mm.
+# Every file below holds the same pull: 1.5 and 2.5 N at 0 and 0.5 s, the crosshead, if recorded, at 0 and 0.2 mm.
 FILES = {
     "named_columns": PLAIN,
     "bluehill_3": (

@@ -144,26 +144,24 @@ def check_clock(
         accepted: whether the configuration gives the offset, so that a disagreement is only worth a warning.
         limits: how far they may differ.
     """
-    findings = []
-    for offset in offsets:
-        if offset.agreement < limits.least_agreement:
-            findings.append(
-                Finding(
-                    f"the {offset.by} of the record moves unlike the sheet at any offset of their clocks (correlation "
-                    f"{offset.agreement:.2f}): the record of another specimen, or another frame_rate",
-                    False,
-                )
-            )
-            continue
-        allowed = max(limits.clock_intervals / frame_rate, limits.clock_deviations * offset.uncertainty)
-        if abs(offset.seconds) <= allowed:
-            continue
-        late = "later" if offset.seconds > 0 else "earlier"
+    alike = [each for each in offsets if each.agreement >= limits.least_agreement]
+    findings = [
+        Finding(
+            f"the {each.by} of the record moves unlike the sheet at any offset of their clocks (correlation "
+            f"{each.agreement:.2f}): the record of another specimen, or another frame_rate",
+            False,
+        )
+        for each in offsets
+        if each not in alike
+    ]
+    least = limits.clock_intervals / frame_rate
+    apart = [each for each in alike if abs(each.seconds) > max(least, limits.clock_deviations * each.uncertainty)]
+    if apart:
         findings.append(
             Finding(
-                f"the sheet moves {abs(offset.seconds):.2g} s {late} in the record than in the pictures (from the "
-                f"{offset.by}, uncertain by {offset.uncertainty:.1g} s): set first_frame_time, or force_time_offset to "
-                "seconds, to 0 where that is so, or to estimate",
+                f"the record's clock is off that of the pictures by {' and by '.join(map(str, apart))}: set "
+                "first_frame_time, or force_time_offset to seconds, to estimate, or to 0 if the clocks are right and "
+                "the sheet was loaded before its reference frame",
                 not accepted,
             )
         )
