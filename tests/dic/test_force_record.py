@@ -59,9 +59,10 @@ def test_the_configuration_knows_every_dialect_and_each_is_tested():
 
 
 @pytest.mark.parametrize("name", FILES)
-@pytest.mark.parametrize("told", [False, True])
-def test_a_record_of_each_program_is_recognised_and_read_in_s_n_and_mm(tmp_path, name, told):
-    encoding = "latin-1" if name == "zwick_testxpert" else "utf-8"
+@pytest.mark.parametrize(
+    ("encoding", "told"), [("utf-8", True), ("utf-8-sig", False), ("latin-1", False), ("utf-16", False)]
+)
+def test_a_record_of_each_program_is_recognised_and_read_in_s_n_and_mm(tmp_path, name, encoding, told):
     read = record(tmp_path, FILES[name], encoding, dialect=name if told else None)
     assert read.dialect.name == name
     np.testing.assert_allclose(read.force[:, read.column("x")], [1.5, 2.5])
@@ -112,6 +113,7 @@ def test_decimal_commas_and_thousands_are_told_apart(tmp_path, rows):
         ),
         ("Time,Force\n(s),(V)\n0,0.1\n1,0.2\n", r"csv:2: 'Force' is in volts"),
         ("Time,Force\n(s),(MN)\n0,0.1\n1,0.2\n", r"csv:2: .*force in \(N\), found 'MN'"),
+        ("Index;Cell [N]\n1;0.1\n;0.2\n", r"csv:3: neither a time nor the number of a picture"),
         ("Index;ADC 1 channel 1 [V]\n1;0.1\n2;0.2\n", r"csv:1: 'ADC 1 channel 1 \[V\]' is in volts"),
         (
             "File;TimeStamp;Force [V]; Force [N]\na_0000_0.tif;0;0.1;0.1\na_0001_0.tif;1;0.2;0.2\n",
