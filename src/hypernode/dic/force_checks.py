@@ -95,12 +95,10 @@ def check_rise(
     ]
 
 
-def check_rest(
-    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS
-) -> list[Finding]:
+def check_rest(force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS) -> list[Finding]:
     """The reference, the first of the frames, carries no force [N]: it is the state without stress."""
     largest = np.abs(force[1:]).max(initial=0.0)
-    if len(force) < 2 or stretch[0] != 1.0 or abs(force[0]) <= limits.force_at_rest * largest:
+    if len(force) < 2 or abs(force[0]) <= limits.force_at_rest * largest:
         return []
     return [
         Finding(

@@ -21,11 +21,13 @@ class ClockOffset:
         seconds: record's time less the frames' [s].
         uncertainty: its standard deviation [s].
         by: what it was told from.
+        agreement: correlation of the two courses there.
     """
 
     seconds: float
     uncertainty: float
     by: str
+    agreement: float = 1.0
 
     def __str__(self) -> str:
         return f"{self.seconds:+.2g} s, uncertain by {self.uncertainty:.1g} s (from the {self.by})"
@@ -47,7 +49,7 @@ def estimate_offsets(
         frame_time: in the record's clock as it is believed to be, increasing [s].
         stretch: mean stretch, 1 at the first frame, the reference.
         time, force, displacement: the record [s, N, mm].
-        limits: below which sharpness and agreement the courses tell nothing.
+        limits: below which sharpness the onset of the force tells nothing.
 
     Returns:
         The estimates that there are, the better one first.
@@ -56,11 +58,11 @@ def estimate_offsets(
         return []
     onset = _from_onset(frame_time, stretch, time, force, limits)
     moves = displacement is not None and np.ptp(displacement) > 0.0
-    rates = _from_rates(frame_time, stretch, time, displacement, limits) if moves else None
+    rates = _from_rates(frame_time, stretch, time, displacement) if moves else None
     return [each for each in (rates, onset) if each is not None]
 
 
-def _from_rates(frame_time, stretch, time, displacement, limits) -> ClockOffset | None:
+def _from_rates(frame_time, stretch, time, displacement) -> ClockOffset:
     """Largest cross-correlation of the rates of stretch and displacement between frames.
 
     Before the reference the sheet is at rest, before the record the machine is: this pins a pull at one pace.
@@ -73,14 +75,13 @@ def _from_rates(frame_time, stretch, time, displacement, limits) -> ClockOffset 
     lags = interval / _LAGS * np.arange(-np.floor(_LAGS * reach / interval), np.floor(_LAGS * reach / interval) + 1)
     agreement = np.array([_agreement(at, pace, lag, time, displacement) for lag in lags])
     best = int(np.argmax(agreement))
-    if agreement[best] < limits.least_agreement:
-        return None
     # Frames are as independent as their noise: the misfit of n of them doubles one n-th above its least.
-    misfit = 1.0 - agreement**2
+    misfit = np.clip(1.0 - agreement**2, 0.0, None)
     low, high = max(best - _LAGS, 0), min(best + _LAGS, len(lags) - 1)
     rise = max(0.5 * (misfit[low] + misfit[high]) - misfit[best], 1e-12)
     statistical = interval * np.sqrt(misfit[best] / (rise * len(frame_time)))
-    return ClockOffset(float(lags[best]), float(np.hypot(interval / np.sqrt(12.0), statistical)), "crosshead")
+    uncertainty = float(np.hypot(interval / np.sqrt(12.0), statistical))
+    return ClockOffset(float(lags[best]), uncertainty, "crosshead", float(agreement[best]))
 
 
 def _agreement(at, pace, lag, time, displacement) -> float:
@@ -98,9 +99,9 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
     largest = force[during].max(initial=0.0)
     if during.sum() < 3 or largest <= 0.0:
         return None
-    low, high = (_crossing(time, force, share * largest) for share in _ONSET)
+    (low, doubt), (high, _) = (_crossing(time, force, share * largest) for share in _ONSET)
     stretched = stretch - stretch[0]
-    first, second = (_crossing(frame_time, stretched, share * stretched.max()) for share in _ONSET)
+    first, second = (_crossing(frame_time, stretched, share * stretched.max())[0] for share in _ONSET)
     if high <= low or second <= first:
         return None
     onset = low - (high - low) * _ONSET[0] / (_ONSET[1] - _ONSET[0])
@@ -111,18 +112,25 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
     if offset > 0.0 and sharpness < limits.least_sharpness:
         return None
     interval = float(np.median(np.diff(frame_time)))
-    return ClockOffset(float(offset), float(np.hypot(interval / np.sqrt(12.0), 0.5 * (low - onset))), "onset of force")
+    uncertainty = np.linalg.norm([interval / np.sqrt(12.0), 0.5 * (low - onset), doubt])
+    return ClockOffset(float(offset), float(uncertainty), "onset of force")
 
 
-def _crossing(time, course, level) -> float:
-    """Time at which a course first rises to a level; before its first sample by its first slope that is clear."""
-    above = int(np.argmax(course >= level))
-    if above > 0:
-        low, high = course[above - 1], course[above]
-        return float(time[above - 1] + (level - low) / (high - low) * (time[above] - time[above - 1]))
-    clear = int(np.argmax(course >= course[0] + level)) or len(course) - 1
-    slope = (course[clear] - course[0]) / (time[clear] - time[0])
-    return float(time[0] - (course[0] - level) / slope) if slope > 0.0 else float(time[0])
+def _crossing(time, course, level) -> tuple[float, float]:
+    """(time at which a course rises to a level, half the time over which noise takes it across).
+
+    A course that begins above the level is continued backwards by its first slope that is clear.
+    """
+    below = np.flatnonzero(course[: int(np.argmax(course)) + 1] < level)
+    if len(below):
+        last = below[-1]
+        late = time[last] + (level - course[last]) / (course[last + 1] - course[last]) * (time[last + 1] - time[last])
+        early = min(time[int(np.argmax(course >= level))], late)
+        return float(0.5 * (early + late)), float(0.5 * (late - early))
+    clear = int(np.argmax(course >= course[0] + level))
+    if clear == 0 or time[clear] == time[0]:
+        return float(time[0]), 0.0
+    return float(time[0] - (course[0] - level) * (time[clear] - time[0]) / (course[clear] - course[0])), 0.0
 
 
 def check_clock(
@@ -136,17 +144,24 @@ def check_clock(
         accepted: whether the configuration gives the offset, so that a disagreement is only worth a warning.
         limits: how far they may differ.
     """
-    findings = []
-    for offset in offsets:
-        allowed = max(limits.clock_intervals / frame_rate, limits.clock_deviations * offset.uncertainty)
-        if abs(offset.seconds) <= allowed:
-            continue
-        late = "later" if offset.seconds > 0 else "earlier"
+    alike = [each for each in offsets if each.agreement >= limits.least_agreement]
+    findings = [
+        Finding(
+            f"the {each.by} of the record moves unlike the sheet at any offset of their clocks (correlation "
+            f"{each.agreement:.2f}): the record of another specimen, or another frame_rate",
+            False,
+        )
+        for each in offsets
+        if each not in alike
+    ]
+    least = limits.clock_intervals / frame_rate
+    apart = [each for each in alike if abs(each.seconds) > max(least, limits.clock_deviations * each.uncertainty)]
+    if apart:
         findings.append(
             Finding(
-                f"the sheet moves {abs(offset.seconds):.2g} s {late} in the record than in the pictures (from the "
-                f"{offset.by}, uncertain by {offset.uncertainty:.1g} s): set first_frame_time, or force_time_offset to "
-                "seconds, to 0 where that is so, or to estimate",
+                f"the record's clock is off that of the pictures by {' and by '.join(map(str, apart))}: set "
+                "first_frame_time, or force_time_offset to seconds, to estimate, or to 0 if the clocks are right and "
+                "the sheet was loaded before its reference frame",
                 not accepted,
             )
         )
@@ -155,6 +170,7 @@ def check_clock(
 
 def agreed_offset(offsets: list[ClockOffset], limits: ForceLimits = LIMITS) -> ClockOffset | None:
     """The first estimate, where there is one and no other contradicts it."""
+    offsets = [each for each in offsets if each.agreement >= limits.least_agreement]
     for other in offsets[1:]:
         apart = limits.clock_deviations * np.hypot(offsets[0].uncertainty, other.uncertainty)
         if abs(offsets[0].seconds - other.seconds) > apart:

@@ -27,7 +27,6 @@ class Dialect:
         begins: how the first line of the file begins.
         preamble: largest number of lines above the header.
         delimiters: tried in this order.
-        encoding: where the file is not UTF-8.
         cycles: columns that tell the set and the cycle of a row.
     """
 
@@ -42,7 +41,6 @@ class Dialect:
     begins: str = ""
     preamble: int = 60
     delimiters: str = ",;\t"
-    encoding: str = "utf-8"
     cycles: tuple[str, str] | None = None
 
 
@@ -71,11 +69,9 @@ DIALECTS = (
         program="DaVis load record",
         time=("time",),
         force={PULL: ()},
-        displacement={PULL: ("crosshead", "machine displacement")},
         image=("image index (image index)",),
         also=("image index (image index)",),
         preamble=0,
-        encoding="latin-1",
     ),
     Dialect(
         name="davis_channels",
@@ -85,7 +81,6 @@ DIALECTS = (
         image=("index",),
         units="brackets",
         preamble=0,
-        encoding="latin-1",
     ),
     Dialect(
         name="mts_testsuite",
@@ -102,7 +97,6 @@ DIALECTS = (
         force={PULL: ("standardkraft", "standard force", "kraft")},
         displacement={PULL: ("standardweg", "traversenweg", "standard travel", "crosshead travel", "weg")},
         delimiters="\t;,",
-        encoding="latin-1",
     ),
     Dialect(
         name="bluehill_3",

@@ -55,7 +55,8 @@ def import_forces(
     record = read_force_record(
         path, specimen.force_format, specimen.force_channel, specimen.force_set, specimen.force_cycle
     )
-    say("import", specimen.folder, f"{path.name}: {record.dialect.program}, force from {', '.join(record.channels)}")
+    channels = ", ".join(record.channels)
+    say("import", specimen.folder, f"{path.name}: read as {record.dialect.name} ({record.dialect.program}): {channels}")
     given = specimen.force_time_offset
     seconds = given if isinstance(given, float) else 0.0
     first = (int(numbers[0]), specimen.first_frame_time + seconds, specimen.frame_rate)
@@ -76,7 +77,7 @@ def import_forces(
     findings += check_rise(stretch[seen][known], forces)
     findings += check_units(pull.time, pull.force)
     findings += check_stiffness(step_stretch, force, section, chosen)
-    findings += check_rest(stretch[seen][known], forces)
+    findings += check_rest(forces) if known[0] else []
     return Forces(pull, time, force, _reported(specimen.folder, path, findings))
 
 

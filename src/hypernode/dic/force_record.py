@@ -78,7 +78,7 @@ def read_force_record(
         path,
         table.dialect,
         None if where[0] is None else values[:, 0],
-        None if where[1] is None else np.array([_picture(table, line, cells[where[1]]) for line, cells in table.rows]),
+        None if where[1] is None else _pictures(table, where[1], needed=where[0] is None),
         tuple(forces),
         values[:, -len(forces) :],
         _displacement(table, tuple(forces), decimal),
@@ -173,16 +173,19 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
 
 
-def _picture(table: Table, line: int, cell: str) -> float:
-    """Number of the picture that a cell names, NaN where it names none."""
-    cell = cell.strip()
-    if not cell:
-        return np.nan
-    match = _PICTURE.search(cell)
-    try:
-        return float(match["number"]) if match else float(cell.replace(",", "."))
-    except ValueError:
-        raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture") from None
+def _pictures(table: Table, column: int, needed: bool) -> np.ndarray:
+    """Number of every sample's picture; NaN where it has none, which is an error where nothing else tells its time."""
+    numbers = []
+    for line, cells in table.rows:
+        cell = cells[column].strip() if column < len(cells) else ""
+        match = _PICTURE.search(cell)
+        try:
+            numbers.append(float(match["number"] if match else cell.replace(",", ".") or "nan"))
+        except ValueError:
+            raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture") from None
+        if needed and not np.isfinite(numbers[-1]):
+            raise DicError(f"{table.path}:{line}: neither a time nor the number of a picture")
+    return np.array(numbers)
 
 
 def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:

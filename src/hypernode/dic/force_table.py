@@ -1,5 +1,6 @@
 """A machine's record as cells: which dialect it is written in, its header, its units, its rows."""
 
+import codecs
 import csv
 import io
 import re
@@ -40,15 +41,14 @@ def read_table(path: Path, wanted: str | None) -> Table:
     Raises:
         DicError: the file cannot be read, or no dialect has its header.
     """
-    texts = _decoded(path)
+    text = _decoded(path)
     known = [each for each in DIALECTS if wanted in (None, each.name)]
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
     first = None
     for each in known:
-        text = texts.get(each.encoding)
-        for delimiter in each.delimiters if text is not None else ():
+        for delimiter in each.delimiters:
             rows = _cut(path, text, delimiter)
             first = first or rows
             table = _in_dialect(path, rows, each)
@@ -63,17 +63,17 @@ def read_table(path: Path, wanted: str | None) -> Table:
     )
 
 
-def _decoded(path: Path) -> dict[str, str]:
-    """The file's text by encoding: what is UTF-8 is the same in all dialects."""
+def _decoded(path: Path) -> str:
+    """The file's text: UTF-8 or UTF-16 where it is, else Latin-1, in which every byte is a character."""
     try:
         content = path.read_bytes()
     except OSError as error:
         raise DicError(f"{path}: cannot be read: {error.strerror}") from None
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        text = content.decode("utf-8-sig")
-        return {"utf-8": text, "latin-1": text}
+        return content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
-        return {"latin-1": content.decode("latin-1")}
+        return content.decode("latin-1")
 
 
 def _cut(path: Path, text: str, delimiter: str) -> list[list[str]]:
