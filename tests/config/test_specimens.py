@@ -9,7 +9,9 @@ from hypernode.config.specimens import Specimen
 from hypernode.dic.davis import Frame, Series
 from hypernode.dic.errors import DicError
 from hypernode.dic.specimen import _select
-from hypernode.pipeline.dag import figure_inputs, figure_runs, present_cases, specimen_files
+from hypernode.pipeline.dag import present_cases
+from hypernode.pipeline.shown import figure_inputs, figure_runs
+from hypernode.pipeline.sources import specimen_files
 from tests.dic.test_davis import write_frame
 
 LINES = """specimens:
