@@ -106,6 +106,25 @@ def test_what_is_a_matter_of_time_is_told_apart_and_the_record_stays_as_it_is(fo
     assert (bent / bent[-1] / (expected / expected[-1]))[0] > 1.05
 
 
+def test_between_frames_and_after_the_last_one_used_the_crosshead_tells_how_the_stretch_goes_on(folder, tmp_path):
+    """Five frames in the first half of a pull; a record without crosshead is read until the last of them."""
+    time, elastic = relaxing_record(folder)
+    chosen = {"frames": None, "stretches": [1.02, 1.03, 1.04, 1.05, 1.06]}
+    short = imported(folder, tmp_path, **chosen)
+    (tmp_path / "out.nc").unlink()
+    rows = (folder / "force_disp.csv").read_text().splitlines()
+    fields = [row.split(",") for row in rows[2:]]
+    moved = [f"{a},{0.5 * float(a)},{force}" for a, _, force in fields]
+    (folder / "force_disp.csv").write_text("\n".join([*rows[:2], *moved]))
+    data = imported(folder, tmp_path, **chosen)
+    assert short["relaxation_time"][-1] == pytest.approx(data["time"][-1])
+    assert data["relaxation_time"][-1] == pytest.approx(2.4)
+    rigid = data["edge_force"].values[:, 3, 1] / data["relaxation"].values
+    expected = np.interp(data["time"], time, elastic)
+    np.testing.assert_allclose(rigid / rigid[-1], expected / expected[-1], rtol=0.01)
+    assert data["relaxation"].values.mean() == pytest.approx(1.0)
+
+
 def test_every_frame_that_was_read_is_named(folder, tmp_path):
     relaxing_record(folder)
     data = imported(folder, tmp_path, frames=None, stretches=[1.04, 1.06])

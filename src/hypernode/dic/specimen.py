@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernode.config.specimens import Specimen
-from hypernode.data.lost import filled
+from hypernode.data.lost import along, filled
 from hypernode.dic.davis import Series, frame_files, read_series
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_import import import_forces
@@ -83,27 +83,44 @@ def _evenly_spaced(stretch: np.ndarray, specimen: Specimen) -> list[int]:
     return sorted(nearest - {0})
 
 
-def _relaxation(specimen: Specimen, used: Series, pull: PullRecord) -> Relaxation:
+def _relaxation(specimen: Specimen, series: Series, used: Series, pull: PullRecord) -> Relaxation:
     """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
 
-    Frames that are not used, and the record after the last one that is, stay unseen: they may serve as a test.
+    Between them, and beyond the last until the last picture, the crosshead tells how the stretch goes on, where the
+    record has it. The displacements of frames that are not used stay unseen: they may serve as a test.
     """
     if not specimen.relaxation:
         return ELASTIC
     stretch = _mean_stretch(used, _AXIS[specimen.load])
     known = np.isfinite(stretch) & (stretch > 0.0)
     observed = pull.times(np.array([frame.number for frame in used.frames]))[known]
-    time, force = pull.time, pull.force
-    during = (time >= observed[0]) & (time <= observed[-1])
-    if known.sum() <= _FRAMES_FOR_RELAXATION or during.sum() < _SAMPLES_FOR_RELAXATION:
+    last = pull.times(np.array([max(frame.number for frame in series.frames)]))[0]
+    time, course = _stretch_course(pull, observed, stretch[known], last)
+    if known.sum() <= _FRAMES_FOR_RELAXATION or len(time) < _SAMPLES_FOR_RELAXATION:
         why = (
-            f"{known.sum()} frames and {during.sum()} samples of the force record are too few to tell relaxation "
+            f"{known.sum()} frames and {len(time)} samples of the force record are too few to tell relaxation "
             f"from elasticity (more than {_FRAMES_FOR_RELAXATION} and at least {_SAMPLES_FOR_RELAXATION}): "
             "the sheet counts as elastic"
         )
         say("import", specimen.folder, why)
         return ELASTIC
-    return fit_relaxation(time[during], np.interp(time[during], observed, stretch[known]), force[during], observed[1:])
+    return fit_relaxation(time, course, np.interp(time, pull.time, pull.force), observed[1:])
+
+
+def _stretch_course(pull: PullRecord, observed, stretch, last: float):
+    """(times of the record's samples, mean stretch there), from the times and stretches of the frames used.
+
+    Args:
+        last: time of the last picture, until which the crosshead is believed to pull the sheet.
+    """
+    time, moved = pull.time, None
+    if pull.displacement is not None:
+        moved = np.interp(observed, time, pull.displacement)
+    if moved is not None and len(moved) > 1 and (np.diff(moved) > 0.0).all():
+        during = time[(time >= observed[0]) & (time <= last)]
+        return during, along(np.interp(during, time, pull.displacement), moved) @ stretch
+    during = time[(time >= observed[0]) & (time <= observed[-1])]
+    return during, np.interp(during, observed, stretch)
 
 
 def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
@@ -190,7 +207,7 @@ def import_test(specimen: Specimen, hole: Callable | None = None) -> ImportedTes
         axis,
         edge_force,
         constrained,
-        _relaxation(specimen, used, forces.pull),
+        _relaxation(specimen, series, used, forces.pull),
         field,
         int(np.isnan(u).any(axis=(0, 2)).sum()),
         (forces.pull.record.path, *(paths[frame.number] for frame in full.frames)),
