@@ -6,8 +6,8 @@ import pytest
 from hypernode.config.loading import ConfigError, check_config, load_config
 from hypernode.config.slices import from_slice, slice_for
 from hypernode.config.specimens import Specimen
-from hypernode.dic.davis import Frame, Series
 from hypernode.dic.errors import DicError
+from hypernode.dic.series import Frame, Series
 from hypernode.dic.specimen import _select
 from hypernode.pipeline.dag import figure_inputs, figure_runs, present_cases, specimen_files
 from tests.dic.test_davis import write_frame

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from hypernode.config.specimens import Specimen
-from hypernode.dic.davis import Series, frame_files, read_series
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
+from hypernode.dic.reading import read_specimen
+from hypernode.dic.series import Series
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED
@@ -177,8 +178,9 @@ def import_test(specimen: Specimen) -> ImportedTest:
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    folder, mm = Path(specimen.folder), specimen.pixel_size
-    full = read_series(folder, specimen.frames)
+    folder = Path(specimen.folder)
+    full = read_specimen(specimen)
+    mm = full.millimetres(specimen.pixel_size)
     series = _trimmed(full, specimen.edge_ring)
     numbers = _select(specimen, series)
     force_path = folder / specimen.force_file
@@ -189,7 +191,6 @@ def import_test(specimen: Specimen) -> ImportedTest:
     used = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
     mesh, u = _measured(folder, series, used, numbers, mm)
     edge_force, constrained = _edges(specimen, mesh, force)
-    paths = frame_files(folder)
     return ImportedTest(
         mesh,
         numbers,
@@ -202,7 +203,7 @@ def import_test(specimen: Specimen) -> ImportedTest:
         _relaxation(specimen, used, record),
         np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]]),
         int(used.lost.sum()),
-        (force_path, *(paths[frame.number] for frame in full.frames)),
+        (force_path, *full.files),
     )
 
 
