@@ -11,6 +11,8 @@ from hypernode.dic.points import Points
 
 #: Distance from a line of the grid, in steps, within which a point lies on it.
 _ON_LINE = 0.02
+#: Share of a grid's extent below which two coordinates are the same.
+_ROUNDING = 1e-9
 #: Distance in steps within which a point of a later frame is one of the reference.
 _SAME_POINT = 0.1
 #: Share of a frame's points that the reference may not know.
@@ -42,9 +44,9 @@ class ExactGrid:
         """
         x, y = self.x, self.y
         position = points.position
-        column, row = np.searchsorted(x, position[:, 0]), np.searchsorted(y, position[:, 1])
-        known = (column < len(x)) & (row < len(y))
-        known[known] &= (x[column[known]] == position[known, 0]) & (y[row[known]] == position[known, 1])
+        column, on_column = _line(x, position[:, 0])
+        row, on_row = _line(y, position[:, 1])
+        known = on_column & on_row
         if not known.all():
             bad = int(np.flatnonzero(~known)[0])
             raise DicError(
@@ -121,12 +123,24 @@ def grid_of(points: Points) -> ExactGrid | NearGrid:
     """
     lines = []
     for axis, name in enumerate("xy"):
-        lines.append(np.unique(points.position[:, axis]))
+        lines.append(_lines(points.position[:, axis]))
         if len(lines[-1]) < 4:
             raise DicError(f"{points.path}: only {len(lines[-1])} distinct {name} positions: no grid")
     if all(map(_regular, lines)) and len(lines[0]) * len(lines[1]) <= 4 * len(points.position):
         return ExactGrid(*lines)
     return _near_grid(points)
+
+
+def _line(lines: np.ndarray, values: np.ndarray):
+    """(index of the nearest line of each value, whether the value lies on it)."""
+    index = np.searchsorted((lines[1:] + lines[:-1]) / 2.0, values)
+    return index, np.abs(lines[index] - values) <= _ON_LINE * np.median(np.diff(lines))
+
+
+def _lines(values: np.ndarray) -> np.ndarray:
+    """Distinct values, those that differ by rounding alone taken as one."""
+    lines = np.unique(values)
+    return lines[np.append(True, np.diff(lines) > _ROUNDING * (lines[-1] - lines[0]))]
 
 
 def _regular(lines: np.ndarray) -> bool:
@@ -179,7 +193,9 @@ def _steps(points: Points) -> np.ndarray:
 
 def _axis(values: np.ndarray, step: float) -> np.ndarray:
     """Equidistant lines through the values, of a step near the given one."""
-    middle = np.median(values)
+    # The phase of the lines, which a median of values between two of them would miss.
+    phase = np.angle(np.exp(2j * np.pi * values / step).mean()) / (2.0 * np.pi) * step
+    middle = phase + step * np.round((np.median(values) - phase) / step)
     index = np.round((values - middle) / step)
     if index.min() < index.max():
         step, middle = np.polyfit(index, values, 1)

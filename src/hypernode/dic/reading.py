@@ -20,6 +20,8 @@ from hypernode.progress import say
 _AT_REST = 0.05
 #: Largest range of the out-of-plane displacement over the size of the sheet.
 MAX_OUT_OF_PLANE = 0.05
+#: Percentiles between which that range is taken: a few points that a camera mistook are not the sheet.
+_RANGE = (1.0, 99.0)
 
 
 def read_specimen(specimen: Specimen) -> Series:
@@ -165,7 +167,7 @@ def _out_of_plane(points: Points, reference: Points, allowed: bool) -> float:
     """Range of a frame's out-of-plane displacement over the size of the sheet."""
     w = points.displacement[:, 2]
     size = np.ptp(reference.position[:, :2], axis=0).max()
-    share = float((np.nanmax(w) - np.nanmin(w)) / size) if np.isfinite(w).any() else 0.0
+    share = float(np.ptp(np.nanpercentile(w, _RANGE)) / size) if np.isfinite(w).any() else 0.0
     if share > MAX_OUT_OF_PLANE and not allowed:
         raise DicError(
             f"{points.path}: the sheet moves out of its plane by {share:.0%} of its size, more than "

@@ -20,12 +20,13 @@ _WORDS = {"true": 1.0, "false": 0.0}
 
 @dataclass(frozen=True)
 class Layout:
-    """Where a file's table begins and how its cells are told apart."""
+    """Where a file's table begins, how its cells are told apart, and how many rows it says that it has."""
 
     names: list[str]
     delimiter: str
     decimal: str
     header: int
+    rows: int | None = None
 
 
 def read_text(path: Path, limit: int = MAX_BYTES) -> str:
@@ -76,8 +77,14 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
         match = _DAVIS8.match(lines[0]) if lines else None
         if match is None:
             return None
-        unit, decimal = match[3], "," if len(lines) > 1 and "," in lines[1] else "."
-        return Layout([f"x [{unit}]", f"y [{match[4]}]", f"u [{match[6]}]", f"v [{match[6]}]"], "\t", decimal, 0)
+        unit, decimal = match[3], "," if any("," in line for line in lines[1:]) else "."
+        return Layout(
+            [f"x [{unit}]", f"y [{match[4]}]", f"u [{match[6]}]", f"v [{match[6]}]"],
+            "\t",
+            decimal,
+            0,
+            int(match[1]) * int(match[2]),
+        )
     if not dialect.recognised:
         return None
     for index, line in enumerate(lines[:HEAD_LINES]):
@@ -87,7 +94,7 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
             if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
                 continue
             decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
-            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 : index + 6])
+            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
             return Layout(names, delimiter, "," if comma or decimals == {","} else ".", index)
     return None
 
@@ -149,6 +156,10 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
         numbers.append(number)
     if not values:
         raise DicError(f"{path}:{layout.header + 2}: no points")
+    if layout.rows not in (None, len(values)):
+        raise DicError(
+            f"{path}:{numbers[-1]}: {len(values)} points, the first line promises {layout.rows}: export again"
+        )
     table = np.array(values)
     names = layout.names
     units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
