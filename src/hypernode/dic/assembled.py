@@ -98,7 +98,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
     try:
         import h5py
     except ImportError:
-        raise DicError(f"{path}: Ncorr files are read with h5py: pip install h5py") from None
+        raise DicError(f"{path}: Ncorr files are read with h5py: pip install -r requirements-ncorr.txt") from None
     try:
         with h5py.File(path, "r") as file:
             saved = file["data_dic_save"]

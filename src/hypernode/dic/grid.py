@@ -87,8 +87,7 @@ class NearGrid:
         Raises:
             DicError: points are there twice, or too many of them are not among those of the reference.
         """
-        distance, index = self.nearby.query(points.position[:, :2] / self.step)
-        known = distance < _SAME_POINT
+        index, known = self._matched(points.position[:, :2] / self.step)
         if np.mean(~known) > _UNKNOWN_SHARE:
             bad = int(np.argmin(known))
             raise DicError(
@@ -102,6 +101,14 @@ class NearGrid:
         # A corner without weight may be lost.
         around[self.weights == 0.0] = 0.0
         return np.einsum("gk,gka->ga", self.weights, around).reshape(len(self.y), len(self.x), 2)
+
+    def _matched(self, position: np.ndarray):
+        """(index of the reference's point nearest to each position in steps, whether it is the same point)."""
+        same_order = position.shape == self.nearby.data.shape
+        if same_order and (np.abs(position - self.nearby.data) < _SAME_POINT / 2).all():
+            return np.arange(len(position)), np.ones(len(position), dtype=bool)
+        distance, index = self.nearby.query(position)
+        return index, distance < _SAME_POINT
 
 
 def _shown(points: Points, index: int) -> str:
@@ -198,7 +205,10 @@ def _axis(values: np.ndarray, step: float) -> np.ndarray:
     middle = phase + step * np.round((np.median(values) - phase) / step)
     index = np.round((values - middle) / step)
     if index.min() < index.max():
-        step, middle = np.polyfit(index, values, 1)
+        # The straight line of least squares through values over index.
+        offset = index - index.mean()
+        step = float((offset * values).sum() / (offset * offset).sum())
+        middle = values.mean() - step * index.mean()
     first, last = (int(np.round((end - middle) / step)) for end in (values.min(), values.max()))
     return middle + step * np.arange(first, last + 1)
 
@@ -219,8 +229,8 @@ class Plane:
         """Points with their components in the plane and, third, out of it."""
         return replace(
             points,
-            position=(points.position - self.centre) @ self.axes.T,
-            displacement=points.displacement @ self.axes.T,
+            position=np.einsum("pi,ki->pk", points.position - self.centre, self.axes),
+            displacement=np.einsum("pi,ki->pk", points.displacement, self.axes),
         )
 
 
@@ -231,7 +241,8 @@ def plane_of(points: Points) -> Plane:
         DicError: the sheet stands steeply in the coordinates of its export.
     """
     centre = points.position.mean(axis=0)
-    normal = np.linalg.svd(points.position - centre, full_matrices=False)[2][2]
+    offset = points.position - centre
+    normal = np.linalg.eigh(np.einsum("pi,pj->ij", offset, offset))[1][:, 0]
     normal = normal if normal[2] >= 0 else -normal
     tilt = np.degrees(np.arccos(min(normal[2], 1.0)))
     if tilt > _MAX_TILT:
