@@ -1,6 +1,6 @@
 """Measured points onto one grid: placed where they lie on one, interpolated where they nearly do."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -21,8 +21,6 @@ _UNKNOWN_SHARE = 0.05
 _LONGEST_SIDE = 2.0
 #: Share of a triangle by which a grid point may lie outside: rounding of the outermost points.
 _OUTSIDE = 0.02
-#: Largest angle between a stereo sheet and the x-y plane of its export [degrees].
-_MAX_TILT = 45.0
 
 
 @dataclass(frozen=True)
@@ -211,44 +209,3 @@ def _axis(values: np.ndarray, step: float) -> np.ndarray:
         middle = values.mean() - step * index.mean()
     first, last = (int(np.round((end - middle) / step)) for end in (values.min(), values.max()))
     return middle + step * np.arange(first, last + 1)
-
-
-@dataclass(frozen=True)
-class Plane:
-    """The best-fit plane of a stereo sheet.
-
-    Attributes:
-        centre: a point of it.
-        axes: unit vectors along x and y within it, and its normal, as rows.
-    """
-
-    centre: Float[np.ndarray, " 3"]
-    axes: Float[np.ndarray, "3 3"]
-
-    def seen(self, points: Points) -> Points:
-        """Points with their components in the plane and, third, out of it."""
-        return replace(
-            points,
-            position=np.einsum("pi,ki->pk", points.position - self.centre, self.axes),
-            displacement=np.einsum("pi,ki->pk", points.displacement, self.axes),
-        )
-
-
-def plane_of(points: Points) -> Plane:
-    """The best-fit plane of the reference's points, y of it nearest to the y of the files.
-
-    Raises:
-        DicError: the sheet stands steeply in the coordinates of its export.
-    """
-    centre = points.position.mean(axis=0)
-    offset = points.position - centre
-    normal = np.linalg.eigh(np.einsum("pi,pj->ij", offset, offset))[1][:, 0]
-    normal = normal if normal[2] >= 0 else -normal
-    tilt = np.degrees(np.arccos(min(normal[2], 1.0)))
-    if tilt > _MAX_TILT:
-        raise DicError(
-            f"{points.path}: the sheet stands at {tilt:.0f} degrees to the x-y plane: export in its own coordinates"
-        )
-    along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
-    along /= np.linalg.norm(along)
-    return Plane(centre, np.stack([along, np.cross(normal, along), normal]))

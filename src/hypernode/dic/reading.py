@@ -11,7 +11,8 @@ from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import Found, dialect_of, find_series
-from hypernode.dic.grid import NearGrid, Plane, grid_of, plane_of
+from hypernode.dic.grid import NearGrid, grid_of
+from hypernode.dic.plane import Plane, plane_of
 from hypernode.dic.points import Points, read_points
 from hypernode.dic.series import Frame, Series
 from hypernode.progress import say
