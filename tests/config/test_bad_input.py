@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hypernode.config.loading import ConfigError, check_config, load_config
-from hypernode.dic.davis import read_points
+from hypernode.dic.dialects import DIALECTS
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
+from hypernode.dic.points import read_points
 from hypernode.errors import ExpectedError
 from hypernode.stages import import_dic
 from hypernode.stages import true_material as truth
@@ -186,12 +187,20 @@ def test_any_value_anywhere_is_accepted_or_refused_cleanly(path, value):
         assert "Traceback" not in str(error)
 
 
+def read_any_dialect(path):
+    for dialect in DIALECTS:
+        try:
+            read_points(path, dialect)
+        except DicError as refused:
+            assert str(path) in str(refused)
+
+
 @settings(max_examples=80, deadline=None)
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read_or_refused_cleanly(tmp_path_factory, content):
     path = tmp_path_factory.mktemp("bytes") / "file.csv"
     path.write_bytes(content)
-    for reader, error in ((read_points, DicError), (read_force_record, DicError), (load_config, ConfigError)):
+    for reader, error in ((read_any_dialect, DicError), (read_force_record, DicError), (load_config, ConfigError)):
         try:
             reader(path)
         except error as refused:

@@ -6,9 +6,9 @@ import pytest
 from hypernode.config.loading import ConfigError, check_config, load_config
 from hypernode.config.slices import from_slice, slice_for
 from hypernode.config.specimens import Specimen
-from hypernode.dic.davis import Frame, Series
 from hypernode.dic.errors import DicError
-from hypernode.dic.specimen import _select
+from hypernode.dic.frames import select_frames
+from hypernode.dic.series import Frame, Series
 from hypernode.pipeline.dag import present_cases
 from hypernode.pipeline.shown import figure_inputs, figure_runs
 from hypernode.pipeline.sources import specimen_files
@@ -86,16 +86,16 @@ def series(stretches):
 
 def test_load_steps_are_evenly_spaced_in_stretch_up_to_the_largest():
     stretches = 1.0 + 0.2 * (np.arange(21) / 20) ** 2
-    chosen = _select(specimen(), series([*stretches, 1.12, 1.0]))
+    chosen = select_frames(specimen(), series([*stretches, 1.12, 1.0]))
     np.testing.assert_allclose(stretches[chosen - 1], 1.0 + 0.04 * np.arange(1, 6), atol=0.011)
     assert chosen[-1] == 21
 
 
 def test_a_short_series_gives_each_of_its_frames_once():
-    assert _select(specimen(), series([1.0, 1.05, 1.1])).tolist() == [2, 3]
-    assert _select(specimen(load_steps=1), series([1.0, 1.05, 1.1])).tolist() == [3]
+    assert select_frames(specimen(), series([1.0, 1.05, 1.1])).tolist() == [2, 3]
+    assert select_frames(specimen(load_steps=1), series([1.0, 1.05, 1.1])).tolist() == [3]
 
 
 def test_a_sheet_that_is_never_pulled_is_refused():
     with pytest.raises(DicError, match="in no frame is the sheet longer"):
-        _select(specimen(), series([1.0, 0.99, 1.0]))
+        select_frames(specimen(), series([1.0, 0.99, 1.0]))

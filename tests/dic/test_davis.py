@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hypernode.config.loading import check_config
-from hypernode.dic.davis import read_series
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
+from hypernode.dic.reading import read_series
 from hypernode.dic.specimen import import_test
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read

@@ -18,8 +18,35 @@ ForceFormat = Literal[
     "davis_channels",
     "matchid_image",
 ]
+#: How displacement files may be laid out, by the software that writes them; ``auto``: as the files themselves show.
+Format = Literal[
+    "auto", "davis", "davis_mm", "davis_stereo", "davis8", "matchid_2024", "matchid_2023", "matchid_2d",
+    "matchid_matrices", "vic3d", "vic2d", "vic2d_mm", "dice", "dice_subsets", "gom", "gom_nodemap", "ncorr", "pyvale",
+    "al_dic", "table",
+]  # fmt: skip
 #: Load steps where none are asked for: as many as in the paper's experiment.
 LOAD_STEPS = 5
+
+
+class Table(Section):
+    """Columns of displacement files that no known software wrote."""
+
+    x: str = "x"
+    """Name of the column of the position along x, without its unit."""
+    y: str = "y"
+    """The same along y."""
+    u: str = "u"
+    """Name of the column of the displacement along x, without its unit."""
+    v: str = "v"
+    """The same along y."""
+    unit: Literal["pixel", "mm"] | None = None
+    """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
+    delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
+    """What stands between cells; a blank stands for any run of blanks."""
+    decimal: Literal[".", ","] = "."
+    """Decimal sign."""
+    deformed: bool = False
+    """Whether positions are those in the deformed sheet."""
 
 
 class Specimen(Section):
@@ -27,8 +54,14 @@ class Specimen(Section):
 
     folder: str
     """Folder with the frames and the force record, from the folder in which the workflow runs."""
-    format: Literal["davis"] = "davis"
-    """Software that exported the frames."""
+    format: Format = "auto"
+    """Software that exported the frames, where the files do not show it themselves."""
+    table: Table = Table()
+    """Columns of the frames where the format is `table`."""
+    y_points: Literal["up", "down"] | None = None
+    """Where y of the frames points, if otherwise than their format has it."""
+    allow_out_of_plane: bool = False
+    """Whether a sheet that stereo cameras saw move out of its plane by more than 5 % of its size is read."""
     force_file: str = "force_disp.csv"
     """The testing machine's record in that folder; which program wrote it is told by its content."""
     force_format: ForceFormat | None = None
@@ -51,8 +84,8 @@ class Specimen(Section):
     """Side of the sheet along y [mm]."""
     thickness: Positive
     """Thickness of the sheet [mm]."""
-    pixel_size: Positive
-    """Length of a pixel on the sheet [mm]."""
+    pixel_size: Positive | None = None
+    """Length of a pixel on the sheet [mm]; frames in mm need none."""
     frame_rate: Positive
     """Frames in a second [1/s]."""
     first_frame_time: float = 0.0
@@ -78,6 +111,8 @@ class Specimen(Section):
     fewer where there are not as many frames."""
     noise_pixels: Positive = 0.3
     """Standard deviation of a measured displacement [pixel]."""
+    noise_mm: Positive | None = None
+    """The same in mm, instead; needed where no pixel size is given."""
     correlation_window: NonNegative = 0.0
     """Side of the window over which the cameras' software averages the displacement [mm]; 0 where it is not known."""
     shape_image: str | None = None
@@ -96,3 +131,14 @@ class Specimen(Section):
         if len(given) > 1:
             raise ValueError(f"give only one of {', '.join(given)}: each of them selects the load steps")
         return values if given else {**values, "load_steps": LOAD_STEPS}
+
+    @model_validator(mode="after")
+    def _noise_is_known(self):
+        if self.pixel_size is None and self.noise_mm is None:
+            raise ValueError("give pixel_size, or noise_mm where the frames are in mm")
+        return self
+
+    @property
+    def displacement_noise(self) -> float:
+        """Standard deviation of a measured displacement [mm]."""
+        return self.noise_mm if self.noise_mm is not None else self.noise_pixels * self.pixel_size

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from hypernode.config.model import Config
 from hypernode.config.slices import case_geometries
-from hypernode.dic.davis import frame_files
 from hypernode.dic.errors import DicError
+from hypernode.dic.folder import raw_files
 from hypernode.storage.provenance import code_hash
 
 
@@ -19,10 +19,10 @@ def specimen_files(config: Config, name: str) -> list[str]:
     specimen = config.specimens[config.cases[name].specimen]
     folder = Path(specimen.folder)
     try:
-        frames = frame_files(folder)
+        frames = raw_files(specimen)
     except DicError as error:
         raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
-    return [*map(str, frames.values()), str(folder / specimen.force_file)]
+    return [*map(str, frames), str(folder / specimen.force_file)]
 
 
 def image_files(config: Config, name: str) -> list[str]:

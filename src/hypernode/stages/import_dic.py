@@ -43,7 +43,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             # Correlation windows never reach the edge of the sheet.
             "outline": "cut",
             "thickness": specimen.thickness,
-            "displacement_noise": specimen.noise_pixels * specimen.pixel_size,
+            "displacement_noise": specimen.displacement_noise,
             "force_uncertainty": specimen.force_uncertainty,
             "correlation_window": specimen.correlation_window,
             "frames": test.numbers.tolist(),

@@ -1,0 +1,129 @@
+"""Series whose files are not one table a frame: a file a subset, a matrix a field, one file for all."""
+
+from pathlib import Path
+
+import numpy as np
+
+from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
+from hypernode.dic.errors import DicError
+from hypernode.dic.folder import MATRIX, numbered
+from hypernode.dic.points import UNITS, Points, points_from
+from hypernode.dic.table import read_table, read_text
+
+
+def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
+    """Frames of files that hold all frames of one point each, in columns that begin with ``FRAME``.
+
+    Raises:
+        DicError: a file is broken, or lacks a frame that others have.
+    """
+    rows: dict[int, list[Points]] = {}
+    for path in files:
+        cells, line, units, preamble = read_table(path, dialect)
+        points = points_from(path, cells, line, units, preamble, dialect)
+        numbers = cells["FRAME"]
+        if len(set(numbers)) < len(numbers) or not np.isfinite(numbers).all():
+            raise DicError(f"{path}: a frame is there twice, or has no number")
+        for k, number in enumerate(numbers):
+            one = slice(k, k + 1)
+            each = Points(path, points.position[one], points.displacement[one], points.line[one], points.unit)
+            rows.setdefault(int(number), []).append(each)
+    for number, found in rows.items():
+        if len(found) < len(files):
+            absent = next(path for path in files if path not in {each.path for each in found})
+            raise DicError(f"{absent}: frame {number} is not there, as it is in {found[0].path.name}")
+    return {
+        number: Points(
+            found[0].path,
+            *(np.concatenate([getattr(p, key) for p in found]) for key in ("position", "displacement", "line")),
+            found[0].unit,
+        )
+        for number, found in sorted(rows.items())
+    }
+
+
+def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]:
+    """Frames of matrices ``NAME_U[mm].csv``, V, X and Y, without header; X and Y are positions in the deformed sheet.
+
+    Raises:
+        DicError: a matrix is absent, ragged or of another size than the others.
+    """
+    fields: dict[str, dict[str, Path]] = {}
+    for path in files:
+        if match := MATRIX.match(path.name):
+            fields.setdefault(match["name"], {})[match["field"].upper()] = path
+    names = {path: name for name, path in ((name, each.get("U")) for name, each in fields.items()) if path}
+    frames = {}
+    for number, path in numbered(files[0].parent, list(names)).items():
+        one = fields[names[path]]
+        for field in ("U", "V", "X", "Y"):
+            if field not in one:
+                raise DicError(f"{path}: no matrix of {field} beside it: export U, V and the coordinates X and Y")
+        matrices = {field: _matrix(one[field]) for field in ("X", "Y", "U", "V")}
+        shapes = {field: matrix.shape for field, matrix in matrices.items()}
+        if len(set(shapes.values())) > 1:
+            raise DicError(f"{path}: matrices of different sizes: {shapes}")
+        cells = {field.lower(): matrix.ravel() for field, matrix in matrices.items()}
+        units = {field.lower(): MATRIX.match(one[field].name)["unit"] for field in matrices}
+        line = np.repeat(np.arange(1, matrices["U"].shape[0] + 1), matrices["U"].shape[1])
+        frames[number] = points_from(path, cells, line, units, [], dialect)
+    return frames
+
+
+def _matrix(path: Path) -> np.ndarray:
+    rows: list[list[float]] = []
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        if not line.strip():
+            continue
+        cells = [cell.strip() for cell in line.replace(",", ".").split(";")]
+        if rows and len(cells) == len(rows[0]) + 1 and not cells[-1]:
+            cells.pop()
+        if rows and len(cells) != len(rows[0]):
+            raise DicError(f"{path}:{number}: {len(cells)} fields, the first row has {len(rows[0])}")
+        try:
+            rows.append([np.nan if cell.lower() in NOT_A_NUMBER else float(cell) for cell in cells])
+        except ValueError:
+            raise DicError(f"{path}:{number}: not a number in {line[:60]!r}") from None
+    if not rows:
+        raise DicError(f"{path}:1: the file is empty")
+    return np.array(rows)
+
+
+def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
+    """Frames of an Ncorr file saved by MATLAB 7.3: formatted displacements in the reference, zero outside the region.
+
+    Raises:
+        DicError: h5py is not installed, or the file lacks what Ncorr saves.
+    """
+    try:
+        import h5py
+    except ImportError:
+        raise DicError(f"{path}: Ncorr files are read with h5py: pip install -r requirements-ncorr.txt") from None
+    try:
+        with h5py.File(path, "r") as file:
+            saved = file["data_dic_save"]
+            info = saved["dispinfo"]
+            spacing, scale = (float(np.ravel(info[key])[0]) for key in ("spacing", "pixtounits"))
+            unit = "".join(map(chr, np.ravel(info["units"]))).strip()
+            u, v = (_fields(file, saved["displacements"][f"plot_{k}_ref_formatted"]) for k in "uv")
+    except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
+        raise DicError(f"{path}: not what Ncorr saves as data_dic_save: {error}") from None
+    if unit.lower() not in UNITS:
+        raise DicError(f"{path}: lengths in {unit!r}: analyse again in mm or pixels")
+    if any(each.shape != u[0].shape for each in (*u, *v)):
+        raise DicError(f"{path}: fields of different sizes")
+    step = (spacing + 1.0) * (scale if UNITS[unit.lower()][0] == "mm" else 1.0)
+    x, y = np.meshgrid(*(step * np.arange(n) for n in reversed(u[0].shape)))
+    line = np.ones(x.size, dtype=int)
+    frames = {}
+    for number, fields in enumerate(zip(u, v, strict=True), start=1):
+        cells = {"x": x.ravel(), "y": y.ravel(), "u": fields[0].ravel(), "v": fields[1].ravel()}
+        frames[number] = points_from(path, cells, line, dict.fromkeys("xyuv", unit), [], dialect)
+    return frames
+
+
+def _fields(file, entry) -> list[np.ndarray]:
+    """The matrices of a field of a MATLAB structure array, which holds references to them; rows downward."""
+    if entry.dtype.kind == "O":
+        return [np.array(file[each]).T for each in np.ravel(entry)]
+    return [np.array(entry).T]

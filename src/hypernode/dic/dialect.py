@@ -1,0 +1,62 @@
+"""What there is to know about the layout of a displacement file."""
+
+from dataclasses import dataclass
+
+#: How a number that is none is written, in lower case.
+NOT_A_NUMBER = ("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch", "na")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """One layout of exported displacements.
+
+    Attributes:
+        name: as the configuration says it.
+        software: as messages say it.
+        recognised: column names that a header of this dialect has, with their unit in brackets where that decides.
+        x, y, u, v: names of the columns of position and displacement, without unit.
+        z, w: the same out of the plane; a file that has both is stereo.
+        absent: column names that it has not.
+        unit: of positions and displacements where the header names none.
+        layouts: delimiters and decimal signs in which it comes.
+        y_up: whether y points upward.
+        v_up: whether v does, where it differs from y.
+        deformed: whether positions are those in the deformed sheet.
+        lost: (column, value) pairs that mark a lost point.
+        zero_is_lost: whether a displacement of exactly zero in a deformed frame marks one.
+        blanks: whether an empty cell or a word for "not a number" marks one.
+        lost_position: whether a lost point still has its true position.
+        reference: whether the reference is exported as the first frame.
+        incremental: text of the preamble that says that displacements are increments.
+        time, force: names of their columns.
+        preamble_unit, preamble_force: expressions whose group is the unit of length, and the force, in the preamble.
+        content: how the file is made: ``frame`` (a table a frame), ``subset`` (a table a point), ``matrices`` (a file a
+            field), ``ncorr`` (one file for all), ``davis8`` (a first line instead of a header).
+    """
+
+    name: str
+    software: str
+    recognised: tuple[str, ...] = ()
+    x: tuple[str, ...] = ("x",)
+    y: tuple[str, ...] = ("y",)
+    u: tuple[str, ...] = ("u",)
+    v: tuple[str, ...] = ("v",)
+    z: tuple[str, ...] = ()
+    w: tuple[str, ...] = ()
+    absent: tuple[str, ...] = ()
+    unit: str | None = None
+    layouts: tuple[tuple[str, str], ...] = ((",", "."),)
+    y_up: bool = True
+    v_up: bool | None = None
+    deformed: bool = False
+    lost: tuple[tuple[str, float], ...] = ()
+    zero_is_lost: bool = False
+    blanks: bool = False
+    lost_position: bool = True
+    reference: bool = True
+    incremental: str | None = None
+    time: str | None = None
+    force: str | None = None
+    preamble_unit: str | None = None
+    preamble_force: str | None = None
+    content: str = "frame"

@@ -1,0 +1,181 @@
+"""Which files of a folder are frames, of which dialect, and which number each has."""
+
+import re
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernode.config.specimens import Specimen
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
+from hypernode.dic.errors import DicError
+from hypernode.dic.table import HEAD_BYTES, layout_of, read_text
+
+SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", ".mat"}
+MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
+_MATLAB = b"MATLAB 7.3 MAT-file"
+_TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
+#: Digits of a frame's number that DaVis and others write; what stands before them belongs to the name.
+_DIGITS = 4
+
+
+@dataclass(frozen=True)
+class Found:
+    """The one series of a folder.
+
+    Attributes:
+        dialect: of its files.
+        files: number -> file; of a series whose files are not frames, a running number.
+        times: number -> time [s] that the name of the file says.
+    """
+
+    dialect: Dialect
+    files: dict[int, Path]
+    times: dict[int, float]
+
+
+def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
+    """The series in a folder; of the given dialect, else of the one that its files show.
+
+    Raises:
+        DicError: there is no folder, no frame, or more than one series.
+    """
+    if not folder.is_dir():
+        raise DicError(f"{folder}: no such folder")
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file())
+    known = (dialect,) if dialect else DIALECTS
+    # Files whose names differ only in digits are of one series, whether or not each of them is as it should be.
+    groups: dict[str, list[Path]] = {}
+    for path in paths:
+        groups.setdefault(_skeleton(path.name), []).append(path)
+    series = [(found, group) for group in groups.values() if (found := _dialect_of(group, known))]
+    if not series:
+        raise DicError(_nothing(folder, paths, known))
+    if series[0][0].content in ("matrices",):
+        files = sorted(path for found, group in series if found is series[0][0] for path in group)
+        series = [(series[0][0], files)]
+    if len(series) > 1:
+        raise DicError(
+            f"{folder}: several series ({', '.join(sorted(group[0].name for _, group in series))}, ...): "
+            "keep one a folder, or say its format"
+        )
+    found, group = series[0]
+    if found.content in ("matrices", "ncorr"):
+        if found.content == "ncorr" and len(group) > 1:
+            raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
+        return Found(found, dict(enumerate(group)), {})
+    times = {path: float(match[1].replace(",", ".")) for path in group if (match := _TIME.search(path.name))}
+    if len(times) == len(group) and len({_TIME.sub("", path.name) for path in group}) == 1:
+        ordered = sorted(group, key=times.get)
+        return Found(found, dict(enumerate(ordered, start=1)), {k: times[p] for k, p in enumerate(ordered, start=1)})
+    return Found(found, numbered(folder, group), {})
+
+
+def _skeleton(name: str) -> str:
+    return re.sub(r"\d+", "#", re.sub(_TIME, "_#s", name))
+
+
+def _dialect_of(group: list[Path], known) -> Dialect | None:
+    """The dialect of the first file of a group that shows one."""
+    for path in group:
+        if path.suffix.lower() == ".mat":
+            with open(path, "rb") as handle:
+                if handle.read(len(_MATLAB)) == _MATLAB and BY_NAME["ncorr"] in known:
+                    return BY_NAME["ncorr"]
+            continue
+        matrix = MATRIX.match(path.name)
+        try:
+            lines = read_text(path, HEAD_BYTES).splitlines()
+        except DicError:
+            continue
+        for dialect in known:
+            if dialect.content == "matrices":
+                if matrix and matrix["field"].upper() in ("U", "V", "X", "Y"):
+                    return dialect
+            elif layout_of(lines, dialect):
+                return dialect
+    return None
+
+
+def _nothing(folder: Path, paths: list[Path], known) -> str:
+    """What was seen in a folder without a series, and what is known."""
+    names = ", ".join(path.name for path in paths[:3]) + (", ..." if len(paths) > 3 else "")
+    first = ""
+    for path in paths[:1]:
+        if path.suffix.lower() != ".mat":
+            lines = read_text(path, HEAD_BYTES).splitlines() or [""]
+            first = f"; {path.name} begins {lines[0][:60]!r}"
+    return (
+        f"{folder}: no frames: expected files such as Name0001.csv of {', '.join(d.name for d in known)}; "
+        f"found {names or 'no table'}{first}. Of any other table say format: table and its columns"
+    )
+
+
+def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
+    """Number -> file of a series: the digits that vary in the names, without what all of them have in front.
+
+    Raises:
+        DicError: names hold no number, a number is there twice, or digits vary in more than one place.
+    """
+    runs = [re.findall(r"\d+", path.name) for path in paths]
+    if not runs[0]:
+        return {0: paths[0]}
+    place = _place(folder, runs)
+    digits = [run[place] for run in runs]
+    others = Counter(tuple(run[:place] + run[place + 1 :]) for run in runs)
+    width = len(digits[0])
+    front = {each[:-_DIGITS] for each in digits if width > _DIGITS and len(each) == width}
+    cut = width - _DIGITS if len(front) == 1 and all(len(each) == width for each in digits) else 0
+    if len(others) > 1 or _two_series(digits, width):
+        names = sorted({re.sub(r"\d+", "#", path.name) for path in paths} | {path.name for path in paths[:2]})
+        raise DicError(f"{folder}: several series ({', '.join(names)}, ...): keep one a folder")
+    files: dict[int, Path] = {}
+    for path, each in zip(paths, digits, strict=True):
+        number = int(each[cut:])
+        if number in files:
+            raise DicError(f"{path}: frame {number} is there twice ({files[number].name})")
+        files[number] = path
+    return dict(sorted(files.items()))
+
+
+def _two_series(digits: list[str], width: int) -> bool:
+    """Whether numbers as 10001 and 20001 are those of test 1 and test 2."""
+    fronts = Counter(each[:-_DIGITS] for each in digits)
+    again = Counter(each[-_DIGITS:] for each in digits)
+    return width > _DIGITS and len(fronts) > 1 and max(again.values()) > 1
+
+
+def _place(folder: Path, runs: list[list[str]]) -> int:
+    """Which of the runs of digits in the names is the frame's number."""
+    counts = [len({run[k] for run in runs}) for k in range(len(runs[0]))]
+    long = [k for k in range(len(counts)) if all(len(run[k]) >= _DIGITS for run in runs)]
+    varying = [k for k, count in enumerate(counts) if count > 1]
+    for choice in (
+        [k for k in long if k in varying],
+        [k for k in long if all(run[k].startswith("0") for run in runs)],
+        varying,
+        long,
+    ):
+        if choice:
+            return choice[-1]
+    return len(counts) - 1
+
+
+def dialect_of(specimen: Specimen) -> Dialect | None:
+    """The dialect that a specimen declares; ``None`` where its files are to show it."""
+    if specimen.format == "auto":
+        dialect = None
+    elif specimen.format == "table":
+        dialect = declared(**specimen.table.model_dump())
+    else:
+        dialect = BY_NAME[specimen.format]
+    return dialect
+
+
+def raw_files(specimen: Specimen) -> list[Path]:
+    """Every displacement file of a specimen.
+
+    Raises:
+        DicError: there is no folder, no frame, or more than one series.
+    """
+    return list(find_series(Path(specimen.folder), dialect_of(specimen)).files.values())

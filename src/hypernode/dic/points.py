@@ -1,0 +1,101 @@
+"""The measured points of one frame, back in the reference sheet."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.errors import DicError
+from hypernode.dic.table import read_table
+
+#: Unit in a header -> (unit of a series, factor).
+UNITS = {
+    "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
+    "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Points:
+    """Measured points of one frame, as its file gives them; the third component, where there is one, is out of plane.
+
+    Attributes:
+        position: in the reference sheet.
+        displacement: NaN where lost.
+        line: of each point in its file.
+        unit: ``pixel`` or ``mm``.
+    """
+
+    path: Path
+    position: Float[np.ndarray, "point axis"]
+    displacement: Float[np.ndarray, "point axis"]
+    line: Int[np.ndarray, " point"]
+    unit: str
+    time: float | None = None
+    force: float | None = None
+
+
+def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dialect) -> tuple[str, float]:
+    """(unit of the series, factor to it) that the columns of a file or its preamble name.
+
+    Raises:
+        DicError: no unit is named, an unknown one, or positions and displacements differ in it.
+    """
+    named = {units[role] for role in ("x", "y", "u", "v") if units[role].strip()}
+    if dialect.preamble_unit:
+        named |= {match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))}
+    named = named or ({dialect.unit} if dialect.unit else set())
+    if not named:
+        raise DicError(f"{path}: no unit is named: say table: {{unit: mm}} or {{unit: pixel}}")
+    unknown = sorted(name for name in named if name.strip().lower() not in UNITS)
+    if unknown:
+        raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
+    known = {UNITS[name.strip().lower()] for name in named}
+    if len(known) > 1:
+        raise DicError(f"{path}: positions and displacements in different units ({', '.join(sorted(named))})")
+    return known.pop()
+
+
+def read_points(path: Path, dialect: Dialect) -> Points:
+    """The points of one frame.
+
+    Raises:
+        DicError: the file is not of this dialect or holds increments; the message names the line.
+    """
+    cells, line, units, preamble = read_table(path, dialect)
+    return points_from(path, cells, line, units, preamble, dialect)
+
+
+def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> Points:
+    """Points from the columns of :func:`read_table`, back in the reference, without those whose position is unknown."""
+    for number, text in enumerate(preamble, start=1):
+        if dialect.incremental and dialect.incremental.lower() in text.lower():
+            raise DicError(
+                f"{path}:{number}: displacements from frame to frame, not from the reference: correlate again with "
+                "the first image as the reference"
+            )
+    unit, factor = unit_of(path, units, preamble, dialect)
+    position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factor
+    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1) * factor
+    for column, value in dialect.lost:
+        if column in cells:
+            u[cells[column] == value] = np.nan
+    u[~np.isfinite(u).all(axis=1)] = np.nan
+    if dialect.deformed:
+        position = position - u
+    keep = np.isfinite(position).all(axis=1)
+    if not dialect.lost_position:
+        keep &= np.isfinite(u).all(axis=1)
+    elif not keep.all():
+        raise DicError(f"{path}:{line[np.argmin(keep)]}: the position is not finite")
+    if not keep.any():
+        raise DicError(f"{path}: every point is lost")
+    time = float(cells[dialect.time][0]) if dialect.time in cells else None
+    force = float(cells[dialect.force][0]) if dialect.force in cells else None
+    if dialect.preamble_force:
+        found = [match[1] for text in preamble if (match := re.search(dialect.preamble_force, text))]
+        force = float(found[0]) if found else None
+    return Points(path, position[keep], u[keep], line[keep], unit, time, force)

@@ -1,0 +1,56 @@
+"""What of a force record is a matter of time, told from the frames used and the machine's own motion."""
+
+import numpy as np
+
+from hypernode.config.specimens import Specimen
+from hypernode.data.lost import along
+from hypernode.dic.force_matching import PullRecord
+from hypernode.dic.frames import AXIS, mean_stretch
+from hypernode.dic.series import Series
+from hypernode.mechanics.relaxation import ELASTIC, Relaxation, fit_relaxation
+from hypernode.progress import say
+
+#: Fewest deformed frames from which the course of the stretch is known well enough to tell time from elasticity.
+LEAST_FRAMES = 4
+#: Fewest samples of the force record for the same.
+LEAST_SAMPLES = 20
+
+
+def relaxation_of(specimen: Specimen, series: Series, used: Series, pull: PullRecord) -> Relaxation:
+    """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
+
+    Between them, and beyond the last until the last picture, the crosshead tells how the stretch goes on, where the
+    record has it. The displacements of frames that are not used stay unseen: they may serve as a test.
+    """
+    if not specimen.relaxation:
+        return ELASTIC
+    stretch = mean_stretch(used, AXIS[specimen.load])
+    known = np.isfinite(stretch) & (stretch > 0.0)
+    observed = pull.times(np.array([frame.number for frame in used.frames]))[known]
+    last = pull.times(np.array([max(frame.number for frame in series.frames)]))[0]
+    time, course = _stretch_course(pull, observed, stretch[known], last)
+    if known.sum() <= LEAST_FRAMES or len(time) < LEAST_SAMPLES:
+        why = (
+            f"{known.sum()} frames and {len(time)} samples of the force record are too few to tell relaxation "
+            f"from elasticity (more than {LEAST_FRAMES} and at least {LEAST_SAMPLES}): "
+            "the sheet counts as elastic"
+        )
+        say("import", specimen.folder, why)
+        return ELASTIC
+    return fit_relaxation(time, course, np.interp(time, pull.time, pull.force), observed[1:])
+
+
+def _stretch_course(pull: PullRecord, observed, stretch, last: float):
+    """(times of the record's samples, mean stretch there), from the times and stretches of the frames used.
+
+    Args:
+        last: time of the last picture, until which the crosshead is believed to pull the sheet.
+    """
+    time, moved = pull.time, None
+    if pull.displacement is not None:
+        moved = np.interp(observed, time, pull.displacement)
+    if moved is not None and len(moved) > 1 and (np.diff(moved) > 0.0).all():
+        during = time[(time >= observed[0]) & (time <= last)]
+        return during, along(np.interp(during, time, pull.displacement), moved) @ stretch
+    during = time[(time >= observed[0]) & (time <= observed[-1])]
+    return during, np.interp(during, observed, stretch)

@@ -1,0 +1,205 @@
+"""One table of a displacement file: recognised by its header, read into columns."""
+
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
+from hypernode.dic.errors import DicError
+
+#: Largest file that is read; a frame of ten million points is far below it.
+MAX_BYTES = 2_000_000_000
+#: Lines in which a header is looked for, and bytes of a file that hold them.
+HEAD_LINES, HEAD_BYTES = 300, 1 << 17
+_DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
+_WORDS = {"true": 1.0, "false": 0.0}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a file's table begins, how its cells are told apart, and how many rows it says that it has."""
+
+    names: list[str]
+    delimiter: str
+    decimal: str
+    header: int
+    rows: int | None = None
+
+
+def read_text(path: Path, limit: int = MAX_BYTES) -> str:
+    """A file, or its first ``limit`` bytes, as text: UTF-8, else the code page of Western Windows.
+
+    Raises:
+        DicError: the file cannot be read or is too large.
+    """
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise DicError(f"{path}: larger than {MAX_BYTES} bytes: not a frame export")
+        with open(path, "rb") as handle:
+            content = handle.read(limit)
+    except OSError as error:
+        raise DicError(f"{path}: cannot be read: {error}") from None
+    if b"\0" in content:
+        raise DicError(f"{path}: cannot be read as text: it holds zero bytes")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    if delimiter == " ":
+        return line.split()
+    if '"' in line:
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        except (csv.Error, StopIteration):
+            return []
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def _bare(name: str) -> str:
+    """A column's name without its unit."""
+    return re.sub(r"\s*\[[^\]]*\]\s*$", "", name)
+
+
+def _names(line: str, delimiter: str) -> list[str]:
+    return _cells(line.lstrip("# "), delimiter)
+
+
+def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
+    """Where the table of a dialect begins among the lines of a file; ``None`` where the file is of another."""
+    if dialect.content == "davis8":
+        match = _DAVIS8.match(lines[0]) if lines else None
+        if match is None:
+            return None
+        unit, decimal = match[3], "," if any("," in line for line in lines[1:]) else "."
+        return Layout(
+            [f"x [{unit}]", f"y [{match[4]}]", f"u [{match[6]}]", f"v [{match[6]}]"],
+            "\t",
+            decimal,
+            0,
+            int(match[1]) * int(match[2]),
+        )
+    if not dialect.recognised:
+        return None
+    for index, line in enumerate(lines[:HEAD_LINES]):
+        for delimiter in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts):
+            names = _names(line, delimiter)
+            seen = {*names, *map(_bare, names)}
+            if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
+                continue
+            decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
+            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
+            return Layout(names, delimiter, "," if comma or decimals == {","} else ".", index)
+    return None
+
+
+def _refusal(path: Path, lines: list[str], dialect: Dialect) -> DicError:
+    """What is wrong with the header of a file that is not of its series' dialect."""
+    if not lines:
+        return DicError(f"{path}:1: the file is empty")
+    if not dialect.recognised:
+        return DicError(f"{path}:1: not a file of {dialect.software}, found {lines[0][:60]!r}")
+    delimiters = list(dict.fromkeys(delimiter for delimiter, _ in dialect.layouts))
+    best = max(delimiters, key=lambda delimiter: max(len(_names(line, delimiter)) for line in lines[:HEAD_LINES]))
+    width = [len(_names(line, best)) for line in lines[:HEAD_LINES]]
+    at = int(np.argmax(width))
+    if max(width) < 4:
+        signs = " or ".join(repr(delimiter) for delimiter in delimiters)
+        return DicError(f"{path}:1: the header must be separated by {signs}, found {lines[0][:60]!r}")
+    names = _names(lines[at], best)
+    missing = [name for name in dialect.recognised if name not in {*names, *map(_bare, names)}]
+    missing = missing or ["four columns"]
+    return DicError(
+        f"{path}:{at + 1}: no column {missing[0]!r} among {names}: export positions and displacements as "
+        f"{dialect.software} does, or say another format"
+    )
+
+
+def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, str], list[str]]:
+    """(cells by role, line of each row, unit by role, preamble) of a file.
+
+    Roles are x, y, u, v, z, w, time, force, ``FRAME`` and the columns that mark lost points.
+
+    Raises:
+        DicError: the file is not of this dialect; the message names the line.
+    """
+    lines = read_text(path).splitlines()
+    layout = layout_of(lines, dialect)
+    if layout is None:
+        raise _refusal(path, lines, dialect)
+    roles = _roles(path, layout, dialect)
+    width = len(layout.names)
+    index = list(roles.values())
+    values, numbers = [], []
+    quoted = any('"' in line for line in lines[layout.header + 1 : layout.header + 3])
+    turned = layout.decimal == ","
+    for number, line in enumerate(lines[layout.header + 1 :], start=layout.header + 2):
+        if not line.strip():
+            continue
+        text = line.replace(",", ".") if turned else line
+        if quoted:
+            fields = _cells(text, layout.delimiter)
+        else:
+            fields = text.split(None if layout.delimiter == " " else layout.delimiter)
+        if len(fields) != width:
+            raise DicError(f"{path}:{number}: {len(fields)} fields, the header has {width}")
+        try:
+            values.append([float(fields[k]) for k in index])
+        except ValueError:
+            values.append([_number(fields[k], dialect, layout, f"{path}:{number}", line) for k in index])
+        numbers.append(number)
+    if not values:
+        raise DicError(f"{path}:{layout.header + 2}: no points")
+    if layout.rows not in (None, len(values)):
+        raise DicError(
+            f"{path}:{numbers[-1]}: {len(values)} points, the first line promises {layout.rows}: export again"
+        )
+    table = np.array(values)
+    names = layout.names
+    units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
+    return (
+        {role: table[:, k] for k, role in enumerate(roles)},
+        np.array(numbers),
+        units,
+        lines[: layout.header],
+    )
+
+
+def _number(cell: str, dialect: Dialect, layout: Layout, where: str, line: str) -> float:
+    """A cell that Python's ``float`` may not read: a word, or an error that names the line."""
+    word = cell.strip().lower()
+    if word in _WORDS:
+        return _WORDS[word]
+    if dialect.blanks and word in NOT_A_NUMBER:
+        return np.nan
+    try:
+        return float(cell)
+    except ValueError:
+        comma = "," in line and layout.delimiter != "," and layout.decimal == "."
+        hint = " (decimal comma? export with decimal points)" if comma else ""
+        raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
+
+
+def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
+    """Role -> index of its column."""
+    bare = [_bare(name) for name in layout.names]
+    places = {}
+    for role in ("x", "y", "u", "v", "z", "w"):
+        found = [bare.index(name) for name in getattr(dialect, role) if name in bare]
+        if found:
+            places[role] = found[0]
+        elif role in "xyuv":
+            raise DicError(
+                f"{path}:{layout.header + 1}: no column {' or '.join(getattr(dialect, role))!r} among {layout.names}"
+            )
+    if not {"z", "w"} <= set(places):
+        places = {role: k for role, k in places.items() if role not in "zw"}
+    others = [name for name, _ in dialect.lost] + [dialect.time, dialect.force]
+    others += ["FRAME"] if dialect.content == "subset" else []
+    return places | {name: bare.index(name) for name in others if name in bare}
