@@ -80,7 +80,7 @@ def test_the_size_of_a_specimen_is_that_of_its_frames(tmp_path):
     raw["specimens"] = {"s": specimen | {"frames": [2, 3]}}
     raw["cases"] = {"real": {"specimen": "s", "methods": ["m"]}}
     for number in (1, 2, 3):
-        (tmp_path / f"B{number:04d}.csv").write_text("x;y;u;v\n" * 900)
+        (tmp_path / f"B{number:04d}.csv").write_text("x,y,u,v\n" * 900)
     (tmp_path / "force_disp.csv").write_text("Time,Force\n0,0\n")
     assert case_size(check_config(raw), "real") == Size(900, 2)
 
