@@ -47,8 +47,8 @@ def test_a_figure_is_rebuilt_from_the_crate_alone(smoke, tmp_path):
     settings = json.loads(action["description"])["settings"]
     inputs = {"evaluation": names["evaluation"], "truth": names["true_material"]}
     # In a process of its own: a figure is drawn in single precision, these tests run in double.
-    script = "import json, sys; from hypernode.figures import identification; "
-    script += "identification.draw(*map(json.loads, sys.argv[1:4]), {})"
+    script = "import json, sys; from hypernode.figures.render import render; "
+    script += "render(*map(json.loads, sys.argv[1:4]), {})"
     arguments = [json.dumps(a) for a in (inputs, {"pdf": str(tmp_path / "again.pdf")}, settings)]
     subprocess.run([sys.executable, "-c", script, *arguments], check=True)
     assert sha256(tmp_path / "again.pdf") == crate.dereference("figures/disc.pdf")["sha256"]
