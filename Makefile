@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit smoke endurance report bench clean
+.PHONY: all resume verdict test lint unit laws smoke endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -19,7 +19,7 @@ resume: $(VENV)/run
 verdict: $(VENV)/run
 	$(BIN)/python -m hypernode verdict results
 
-test: lint unit smoke
+test: lint unit laws smoke
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
@@ -28,10 +28,14 @@ lint: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_lint.py
 
 unit: $(VENV)/dev
-	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile tests
+	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" tests --ignore tests/workflow
+
+# Laws that take whole identifications.
+laws: $(VENV)/dev
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests
 
 smoke: $(VENV)/dev
-	$(BIN)/python -m pytest -q tests/workflow --smoke
+	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
 # Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev

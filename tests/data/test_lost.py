@@ -67,6 +67,7 @@ def test_what_is_filled_in_is_not_observed():
     np.testing.assert_allclose(gappy.mean_F, whole.mean_F, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_material_goes_on_beneath_lost_points():
     """A patch of the sheet is lost, half of it stiff: nothing is a hole, and what is stiff is found to be."""
     data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=5e-4)

@@ -27,6 +27,7 @@ def field(axes):
     return next(artist for artist in axes.collections if isinstance(artist, PolyCollection))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", LAYOUTS)
 def test_a_figure_is_the_same_file_every_time_with_its_fonts_in_it(kind, tmp_path, monkeypatch):
     monkeypatch.setitem(RC, "savefig.dpi", 40)

@@ -68,6 +68,7 @@ def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet
         assert forces[1][0].value == pytest.approx(-forces[1][1].value)
 
 
+@pytest.mark.slow
 def test_errors_of_prescribed_edges_that_the_whole_sheet_shares_are_no_misfit_of_the_material():
     """Of the true field the whitened residuals are independent and of unit variance; raw ones are too large."""
     raw, white, count = [], [], 0

@@ -24,6 +24,7 @@ from hypernode.storage.netcdf import SYNTHETIC_UNITS
 from tests.sheets import SCALE, sheet, square
 
 
+@pytest.mark.slow
 def test_a_stiff_square_is_found_again_from_noisy_displacements():
     data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=5e-4)
     settings = Constrained(terms=["I1_squared"], iterations=15)
@@ -37,6 +38,7 @@ def test_a_stiff_square_is_found_again_from_noisy_displacements():
     assert true.shape == params.shape
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("terms", [(), ("I1_squared",)])
 def test_terms_are_released_only_where_the_stiffness_alone_leaves_something_to_explain(terms):
     data, _, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
@@ -50,6 +52,7 @@ def test_terms_are_released_only_where_the_stiffness_alone_leaves_something_to_e
     assert np.linalg.norm(P - wanted) < 0.005 * np.linalg.norm(wanted)
 
 
+@pytest.mark.slow
 def test_fibres_that_stiffen_as_those_of_skin_are_found_with_the_term_for_it_and_not_without():
     terms, skin = ("fibre", "stiffening"), {"fibre_x": 0.4, "fibre_y": 0.2, "log1p_stiffening": 0.6}
     load = make_load("equibiaxial", [1.05, 1.1, 1.15, 1.2])
@@ -175,6 +178,7 @@ def test_a_descent_begins_where_another_ended_even_where_no_fibres_were_found_in
     np.testing.assert_allclose(params, found, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_test_is_a_warning(capsys):
     data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]))
     plain = Constrained(terms=["fibre"], iterations=2)
@@ -186,6 +190,7 @@ def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_
     assert kept.problem.basis.terms == (("fibre", "I1_squared") if kept.cost < alone.cost else ("fibre",))
 
 
+@pytest.mark.slow
 def test_fibres_stay_only_where_a_noisy_test_tells_of_them():
     settings = Constrained(terms=["I1_squared", "fibre"])
     sheared, _, _ = sheet(8, square, make_load("shear", [1.05, 1.1, 1.15]), noise=7e-4)
@@ -215,6 +220,7 @@ def test_cells_that_went_astray_come_back_from_their_neighbours():
     assert abs(back.params[11, 1] - found.params[11, 1]) < 0.1 and back.cost < found.at(astray).cost
 
 
+@pytest.mark.slow
 def test_a_descent_that_noise_holds_up_is_perturbed_into_a_better_field_and_a_clean_one_is_left_alone():
     load, settings = make_load("equibiaxial", [1.1, 1.2]), Constrained(terms=[], iterations=15)
     data, _, true = sheet(12, square, load, noise=1e-2, seed=1)
@@ -249,6 +255,7 @@ def observed_coarsely(cells, inclusion, load, window):
     return data, inside
 
 
+@pytest.mark.slow
 def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough():
     """Where half a cell is stiff, the undivided one is neither; its parts are."""
 
