@@ -76,7 +76,7 @@ def test_the_verdict_is_the_worst_criterion_and_names_what_is_to_blame(measureme
     verdict = judged(measurement, ending="out of iterations", spread=0.2)
     assert verdict.label == "warn: not converged, uncertainty"
     verdict = judged(measurement, ending="out of iterations", edge_force_error_identified=0.2)
-    assert verdict.label == "fail: forces"
+    assert verdict.label == "fail: not converged, forces"
 
 
 def test_what_is_not_judged_changes_no_verdict():

@@ -103,8 +103,12 @@ class Verdict:
 
     @property
     def label(self) -> str:
-        """The overall level, and the criteria that are to blame: ``pass``, ``warn: not converged``."""
-        blamed = [UNMET.get(c.name, c.name) for c in self.criteria if c.level is self.overall is not Level.PASSED]
+        """The overall level, and the criteria that are to blame: ``pass``, ``warn: not converged``.
+
+        Those of the worst level; that a run did not converge is said in any case.
+        """
+        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
+        blamed = [UNMET.get(c.name, c.name) for c in unmet if c.level is self.overall or c.name in UNMET]
         return f"{self.overall}: {', '.join(blamed)}" if blamed else str(self.overall)
 
     def stored(self) -> dict:

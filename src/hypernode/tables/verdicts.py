@@ -13,6 +13,8 @@ from hypernode.storage.netcdf import read
 
 #: Overall levels, the worst first.
 LEVELS = ("fail", "warn", "pass")
+#: Criterion that is said first: of a field that is still descending, other numbers mean little.
+FIRST = "convergence"
 
 
 class VerdictError(ExpectedError, ValueError):
@@ -35,9 +37,10 @@ class RunVerdict:
 
     @property
     def sentences(self) -> list[str]:
-        """Those of the criteria that are not met, the worst first."""
+        """Those of the criteria that are not met: convergence, on which all else depends, then the worst first."""
         unmet = [each for each in self.criteria if each["level"] in ("fail", "warn")]
-        return [each["sentence"] for each in sorted(unmet, key=lambda each: LEVELS.index(each["level"]))]
+        order = sorted(unmet, key=lambda each: (each["name"] != FIRST, LEVELS.index(each["level"])))
+        return [each["sentence"] for each in order]
 
     @classmethod
     def of(cls, evaluation: xr.Dataset, where: str = "evaluation.nc") -> "RunVerdict":
