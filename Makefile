@@ -19,7 +19,7 @@ resume: $(VENV)/run
 verdict: $(VENV)/run
 	$(BIN)/python -m hypernode verdict results
 
-test: lint unit laws smoke
+test: lint unit smoke
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
