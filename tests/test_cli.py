@@ -3,7 +3,6 @@
 import importlib
 import importlib.util
 import json
-import sys
 import tomllib
 from pathlib import Path
 
@@ -30,18 +29,9 @@ def test_schema_is_the_page_of_files(words, capsys):
     assert capsys.readouterr().out == page()
 
 
-def test_schema_config_prints_what_the_configuration_module_says(monkeypatch, capsys):
-    module = type(sys)("hypernode.config.json_schema")
-    module.text = lambda: '{"title": "Config"}\n'
-    monkeypatch.setitem(sys.modules, module.__name__, module)
+def test_schema_config_prints_the_schema_that_stands_beside_the_configurations(capsys):
     assert cli.main(["schema", "config"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"title": "Config"}
-
-
-def test_schema_config_says_in_one_sentence_where_it_is_absent(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "hypernode.config.json_schema", None)
-    assert cli.main(["schema", "config"]) == 2
-    assert capsys.readouterr().err == "error: this version of hypernode has no JSON Schema of its configuration\n"
+    assert capsys.readouterr().out == (ROOT / "config/schema.json").read_text(encoding="utf-8")
 
 
 def test_an_idle_folder_may_be_unlocked(tmp_path, monkeypatch):

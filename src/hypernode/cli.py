@@ -14,10 +14,6 @@ from pathlib import Path
 from hypernode.errors import ExpectedError
 
 
-class Unavailable(ExpectedError):
-    """A command needs a part that this installation lacks; the message says which."""
-
-
 def add_audit(commands) -> None:
     """``audit verify | explain | diff | report``."""
     audit = commands.add_parser("audit", help="where results came from and whether they are intact")
@@ -131,10 +127,8 @@ def schema_files() -> int:
 
 def schema_config() -> int:
     """Print the JSON Schema of the configuration."""
-    try:
-        from hypernode.config.json_schema import text
-    except ModuleNotFoundError as error:
-        raise Unavailable("this version of hypernode has no JSON Schema of its configuration") from error
+    from hypernode.config.json_schema import text
+
     print(text(), end="")
     return 0
 

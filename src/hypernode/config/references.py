@@ -15,8 +15,6 @@ _SECTION = {
     "noise": "noise",
     "specimen": "specimens",
 }
-
-
 _SECTION_OF_LAYER = {"geometry": "geometries", "material": "materials"}
 
 

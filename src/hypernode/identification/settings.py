@@ -144,11 +144,6 @@ class Strategy:
     #: of the cost of noise in one iteration.
     stiffness_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3),)
     stiffness_tolerance: float = 3e-3
-    #: Where further terms may follow, a test that is not explained waits for them there, or where it is stuck.
-    further_plateaus: tuple[Plateau, ...] = (
-        Plateau(0.1, 5, above=2.0),
-        Plateau(0.02, 5, above=1.05, left=0.3),
-    )
 
     # Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
@@ -164,6 +159,14 @@ class Strategy:
         default_factory=lambda: {"logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
     )
     default_jump_share: float = 0.5
+
+    @property
+    def further_plateaus(self) -> tuple[Plateau, Plateau]:
+        """Where further terms may follow, a test that is not explained waits for them there, or where it is stuck."""
+        return (
+            Plateau(0.1, 5, above=self.unexplained),
+            Plateau(0.02, 5, above=self.explained, left=self.much_left),
+        )
 
 
 STRATEGY = Strategy()

@@ -31,12 +31,8 @@ STAGE_SETTINGS = {
     "material": ("hypernetwork", "training", "prior_weight", "seed"),
     "baseline": ("baseline", "seed"),
 }
-
-
 #: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
 NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}
-
-
 #: Stages whose file methods share where all that decides it is the same.
 SHARED = tuple(STAGE_SETTINGS)[: tuple(STAGE_SETTINGS).index("pretrained") + 1]
 
