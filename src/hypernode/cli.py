@@ -38,13 +38,11 @@ def add_audit(commands) -> None:
 
 def audit_verify(arguments) -> int:
     """Print problems and notices; exit code 1 where there is a problem."""
-    import hypernode
-    from hypernode.pipeline.compiler import settings_of_rules
+    from hypernode.pipeline.compiler import rule_settings
     from hypernode.storage.audit import verify
     from hypernode.storage.records import result_files
 
-    workflow = Path(hypernode.__file__).resolve().parents[2] / "workflow"
-    found = verify(arguments.folder, settings_of_rules(workflow))
+    found = verify(arguments.folder, rule_settings)
     problems, notices = [[each for each in found if each.notice is kind] for kind in (False, True)]
     if arguments.json:
         kinds = {"problems": problems, "notices": notices}

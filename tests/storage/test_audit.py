@@ -14,7 +14,7 @@ from hypernode.storage.records import CRATE, StorageError, read_record, record_o
 from tests.storage.conftest import crated, rewritten, stored
 
 
-def said(folder, now=None):
+def said(folder, now={}.get):
     """(file name, message) of every problem, and of every notice."""
     found = verify(folder, now)
     return [[(f.file.rsplit("/", 1)[-1], f.message) for f in found if f.notice is kind] for kind in (False, True)]
@@ -84,8 +84,8 @@ def test_flag_changed_since_the_run_is_named(results):
     made = {"compiler": {"XLA_FLAGS": "--xla_old=true"}}
     stored(results / "c/m/material.nc", 2.0, [results / "c/m/gradient.nc"], made_with=made)
     crated(results, "c/m/material.nc")
-    assert verify(results, {"training": made["compiler"]}) == []
-    ((file, message),), _ = said(results, {"training": {"XLA_FLAGS": "--xla_new=true"}})
+    assert verify(results, {"training": made["compiler"]}.get) == []
+    ((file, message),), _ = said(results, {"training": {"XLA_FLAGS": "--xla_new=true"}}.get)
     assert file == "material.nc" and "its rule would now set '--xla_new=true'" in message
 
 

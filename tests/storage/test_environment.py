@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from hypernode.pipeline.compiler import QUICK_KERNELS, compiler_settings, settings_of_rules
+from hypernode.pipeline.compiler import DOUBLE_PRECISION, QUICK_KERNELS, compiler_settings, rule_settings
 from hypernode.storage.environment import NOT_COMPUTING, versions
+from hypernode.storage.provenance import modules_used
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -32,8 +33,11 @@ def test_a_job_records_the_flags_and_the_precision_that_it_sets(float64):
     assert done.stdout.strip() == str(wanted)
 
 
-def test_what_each_rule_would_set_now_follows_its_script():
-    settings = settings_of_rules(ROOT / "workflow")
-    assert {p.stem for p in (ROOT / "workflow/scripts").glob("*.py")} <= set(settings)
-    assert settings["forward"] == compiler_settings(True) and settings["training"] == compiler_settings(False)
-    assert settings["only_pretraining"] == settings["pretraining"]
+def test_rules_in_double_precision_are_rules_whose_finite_elements_need_it():
+    """A name that no rule has would leave its jobs in single precision, which the solver refuses."""
+    rules = set(re.findall(r"^rule (\w+):", "\n".join(p.read_text() for p in ROOT.glob("workflow/rules/*.smk")), re.M))
+    assert rules >= DOUBLE_PRECISION
+    assert rule_settings("forward") == compiler_settings(True)
+    assert rule_settings("training") == rule_settings("only_pretraining") == compiler_settings(False)
+    solving = {p.stem for p in ROOT.glob("workflow/scripts/*.py") if "fem/solver.py" in str(modules_used(p))}
+    assert solving == DOUBLE_PRECISION

@@ -3,7 +3,7 @@
 from hypernode.config.slices import partial_method
 from hypernode.pipeline.job import job
 
-with job(snakemake, float64=True) as attributes:
+with job(snakemake) as attributes:
     from hypernode.stages import baseline
 
     baseline.run(

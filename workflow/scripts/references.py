@@ -2,7 +2,7 @@
 
 from hypernode.pipeline.job import job
 
-with job(snakemake, float64=True) as attributes:
+with job(snakemake) as attributes:
     from hypernode.stages import references
 
     references.run(

@@ -1,15 +1,20 @@
 """How XLA compiles what a job computes, and in which precision."""
 
-import ast
 import importlib.metadata
 import os
-import re
 from pathlib import Path
 
 #: XLA's older emitters of CPU kernels (docs/decisions/0016). A step of ours is hundreds of small kernels. The newer
 #: emitters set up a compiler of their own for each, which takes longer than what they save in all but the longest
 #: training.
 QUICK_KERNELS = "--xla_cpu_use_fusion_emitters=false"
+#: Rules whose jobs solve for a whole sheet at once; training and all that only evaluates compute in single precision.
+DOUBLE_PRECISION = frozenset({"forward", "constrained", "baseline", "validation", "references"})
+
+
+def rule_settings(rule: str) -> dict[str, str]:
+    """:func:`compiler_settings` of the jobs of a rule."""
+    return compiler_settings(rule in DOUBLE_PRECISION)
 
 
 def compiler_settings(float64: bool) -> dict[str, str]:
@@ -42,20 +47,3 @@ def set_up_compiler(float64: bool) -> None:
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
         "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
     }
-
-
-def settings_of_rules(workflow: Path) -> dict[str, dict[str, str]]:
-    """What the job of each rule would set now, by the call of ``job`` in its script.
-
-    Args:
-        workflow: folder with ``scripts`` and ``rules``.
-    """
-    settings = {}
-    for script in sorted(workflow.glob("scripts/*.py")):
-        calls = [node for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))) if isinstance(node, ast.Call)]
-        words = [word for call in calls if getattr(call.func, "id", "") == "job" for word in call.keywords]
-        settings[script.stem] = compiler_settings(any(w.arg == "float64" and ast.literal_eval(w.value) for w in words))
-    for rules in sorted(workflow.glob("rules/*.smk")):
-        for rule, other in re.findall(r"^use rule (\w+) as (\w+)", rules.read_text(encoding="utf-8"), re.MULTILINE):
-            settings[other] = settings[rule]
-    return settings

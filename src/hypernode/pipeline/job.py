@@ -11,7 +11,7 @@ import sys
 import traceback
 
 from hypernode.errors import ExpectedError
-from hypernode.pipeline.compiler import set_up_compiler
+from hypernode.pipeline.compiler import DOUBLE_PRECISION, set_up_compiler
 from hypernode.pipeline.cores import claimed_cores
 from hypernode.storage.provenance import describe
 
@@ -51,18 +51,17 @@ class _Tee:
 
 
 @contextlib.contextmanager
-def job(snakemake, float64: bool = False):
+def job(snakemake):
     """Set a workflow script up and turn expected errors into one line.
 
     Args:
         snakemake: the object that Snakemake gives to scripts.
-        float64: whether JAX computes in double precision (finite elements do, training does not).
 
     Yields:
         The attributes that the job's output file carries.
     """
     die_with_parent()
-    set_up_compiler(float64)
+    set_up_compiler(snakemake.rule in DOUBLE_PRECISION)
     # Open until the process ends: the traceback of an error that nobody expected goes there as well.
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)

@@ -1,7 +1,7 @@
 """Whether the results of a run are intact, of one kind, and all of them of the last run."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from hypernode.storage.consistency import foreign_flags, foreign_machines, foreign_versions
@@ -12,12 +12,12 @@ from hypernode.storage.membership import strangers
 from hypernode.storage.records import read_record, result_files
 
 
-def verify(folder: Path, now: Mapping[str, Mapping[str, str]] | None = None) -> list[Finding]:
+def verify(folder: Path, now: Callable[[str], Mapping[str, str] | None] = lambda rule: None) -> list[Finding]:
     """Rehash every file of a run and of its ancestry, and compare how they were made (docs/decisions/0027).
 
     Args:
         folder: the results folder, in the directory where the workflow ran.
-        now: rule -> flags and precision that its job would set now; None where that is not known.
+        now: takes a rule to the flags and precision that its job would set now; None where that is not known.
 
     Returns:
         Problems and notices; nothing where all is well.
@@ -39,4 +39,4 @@ def verify(folder: Path, now: Mapping[str, Mapping[str, str]] | None = None) -> 
         else:
             found += damages(path, records[path], directory)
     found += orphans(folder) + strangers(folder, records)
-    return found + foreign_versions(records) + foreign_flags(records, now or {}) + foreign_machines(records)
+    return found + foreign_versions(records) + foreign_flags(records, now) + foreign_machines(records)

@@ -1,7 +1,7 @@
 """Whether the results of a folder were computed alike, and as they would be computed now."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from hypernode.storage.environment import versions
@@ -28,20 +28,21 @@ def foreign_versions(records: Mapping[Path, dict]) -> list[Finding]:
     return found
 
 
-def foreign_flags(records: Mapping[Path, dict], now: Mapping[str, Mapping[str, str]]) -> list[Finding]:
+def foreign_flags(records: Mapping[Path, dict], now: Callable[[str], Mapping[str, str] | None]) -> list[Finding]:
     """Files whose job had other flags of the compiler, or another precision, than other jobs of its rule.
 
     Args:
         records: the records of a folder.
-        now: rule -> what its job would set now; a rule that is not in it is not compared with now.
+        now: takes a rule to what its job would set now; one of which it knows nothing is not compared with now.
     """
     found = []
     for rule in sorted({record["rule"] for record in records.values() if record.get("compiler")}):
         jobs = {path: r["compiler"] for path, r in records.items() if r["rule"] == rule and r.get("compiler")}
-        for variable in sorted(set().union(now.get(rule, ()), *jobs.values())):
+        wanted_now = now(rule)
+        for variable in sorted(set().union(wanted_now or (), *jobs.values())):
             values = {path: settings.get(variable, "") for path, settings in jobs.items()}
             usual = _most(values.values())
-            wanted = now[rule].get(variable, "") if rule in now else None
+            wanted = None if wanted_now is None else wanted_now.get(variable, "")
             for path, value in values.items():
                 differs = [f"most other jobs of the rule {rule} with '{usual}'"] if value != usual else []
                 differs += [f"its rule would now set '{wanted}'"] if wanted not in (None, value) else []
