@@ -8,7 +8,6 @@ import argparse
 import json
 import os
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 from hypernode.errors import ExpectedError
@@ -97,13 +96,14 @@ def add_verdict(commands) -> None:
 def verdict(arguments) -> int:
     """Print the verdict on every run; exit code 1 where any fails."""
     from hypernode.tables.verdicts import evaluations, listing, read_verdicts
+    from hypernode.verdict import Level
 
     found = read_verdicts(evaluations(arguments.folder))
     if arguments.json:
-        print(json.dumps([asdict(each) for each in found], indent=1))
+        print(json.dumps([{"run": run, **each.stored()} for run, each in found], indent=1))
     else:
         print("\n".join(listing(found)))
-    return 1 if any(each.overall == "fail" for each in found) else 0
+    return 1 if any(each.overall is Level.FAILED for _, each in found) else 0
 
 
 def add_schema(commands) -> None:

@@ -9,26 +9,16 @@ import xarray as xr
 
 from hypernode.data.loading import Loading
 from hypernode.data.measurement import mesh_of
+from hypernode.evaluation.criteria import SETTINGS, Threshold, judge_run, observed_displacements
 from hypernode.evaluation.equilibrium import prescribed_nodes
 from hypernode.evaluation.region import score_region
-from hypernode.evaluation.verdict import (
-    CONVERGED,
-    SETTINGS,
-    Criterion,
-    Level,
-    Threshold,
-    Verdict,
-    judge_run,
-    observed_displacements,
-)
-from hypernode.identification.estimate import Ending
 from hypernode.mechanics.loads import make_load
-from hypernode.tables.verdicts import LEVELS
+from hypernode.verdict import Criterion, Ending, Level, Verdict
 from tests.sheets import sheet, square
 
 NOISE = 1e-3
 GOOD = {
-    "ending": CONVERGED,
+    "ending": Ending.CONVERGED,
     "displacement_misfit": 1.0,
     "edge_force_error_identified": 0.005,
     "equilibrium_gap_identified": 0.01,
@@ -85,9 +75,14 @@ def test_what_is_not_judged_changes_no_verdict():
     assert Verdict((unjudged,)).overall is Level.NOT_JUDGED
 
 
-def test_levels_are_those_that_tables_and_figures_read():
-    assert [str(each) for each in reversed(Level) if each is not Level.NOT_JUDGED] == list(LEVELS)
-    assert str(Ending.CONVERGED) == CONVERGED
+def test_a_stored_verdict_reads_back_as_it_was(measurement):
+    verdict = judged(measurement, ending="out of iterations", spread=0.2)
+    assert Verdict.of(json.loads(json.dumps(verdict.stored()))) == verdict
+
+
+def test_that_a_run_did_not_converge_is_said_before_what_is_worse(measurement):
+    verdict = judged(measurement, ending="out of iterations", edge_force_error_identified=0.2)
+    assert "did not converge" in verdict.sentences[0] and verdict.sentences[1].startswith("Edge forces")
 
 
 def test_a_run_that_did_not_converge_fails_only_where_it_does_not_explain_the_displacements(measurement):

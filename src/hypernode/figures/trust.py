@@ -2,11 +2,12 @@
 
 import textwrap
 
-from hypernode.tables.verdicts import LEVELS, RunVerdict, count
+from hypernode.tables.verdicts import RunVerdict, count
+from hypernode.verdict import Level
 
 #: Colours of the levels that are written, used for nothing else. Amber is twice as light as red, so that they differ
 #: without colours too; the text begins with the level in any case.
-COLOURS = {"fail": "#C00000", "warn": "#B86E00"}
+COLOURS = {Level.FAILED: "#C00000", Level.WARNED: "#B86E00"}
 #: Lines that there is room for above a figure; the command ``hypernode verdict`` prints what they leave out.
 LINES = 2
 #: Size of the letters in points.
@@ -15,25 +16,25 @@ SIZE = 10.0
 LETTER = 0.6
 
 
-def overall(evaluation) -> str:
+def overall(evaluation) -> Level:
     """The overall level of an opened evaluation."""
-    return RunVerdict.of(evaluation).overall
+    return RunVerdict.of(evaluation).verdict.overall
 
 
-def run_verdict(evaluation) -> tuple[str, list[str]]:
+def run_verdict(evaluation) -> tuple[Level, list[str]]:
     """(level, sentences on what is not met) of one run; no sentences where it passes."""
-    verdict = RunVerdict.of(evaluation)
+    verdict = RunVerdict.of(evaluation).verdict
     return verdict.overall, verdict.sentences
 
 
-def rows_verdict(evaluations) -> tuple[str, list[str]]:
+def rows_verdict(evaluations) -> tuple[Level, list[str]]:
     """(worst level, how many rows have which) of several runs; nothing to say where all pass."""
     levels = [overall(evaluation) for evaluation in evaluations]
-    worst = min(levels, key=LEVELS.index)
+    worst = max(levels, key=lambda level: level.rank)
     return worst, [f"{count(levels)}, of {len(levels)} rows."] if worst in COLOURS else []
 
 
-def write_verdict(figure, level: str, sentences: list[str]) -> None:
+def write_verdict(figure, level: Level, sentences: list[str]) -> None:
     """Write a verdict across the top of a figure; nothing is changed where it says nothing.
 
     Args:

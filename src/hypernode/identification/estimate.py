@@ -1,26 +1,13 @@
 """A material field that a descent left: how well it explains the test, and how the descent ended."""
 
 import dataclasses
-import enum
 
 import numpy as np
 
 from hypernode.identification.objective import Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
-
-
-class Ending(enum.StrEnum):
-    """How a descent ended; without equilibrium at its start there is no field, but an error."""
-
-    #: The data are explained, and one more step would change the cost by less than its tolerance.
-    CONVERGED = "converged"
-    #: No step lowers the cost any more, or the misfit hardly falls, before the data are explained to the tolerance.
-    STAGNATED = "stagnated"
-    #: It was still descending.
-    OUT_OF_ITERATIONS = "out of iterations"
-    #: No descent led here: parameters that another one may begin at.
-    UNFINISHED = "unfinished"
+from hypernode.verdict import Ending
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,13 +6,14 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.errors import ExpectedError
-from hypernode.identification.estimate import Ending, Estimate
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.identification.settings import Plateau
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import Progress, say
+from hypernode.verdict import Ending
 
 
 class IdentificationError(ExpectedError, RuntimeError):

@@ -17,11 +17,12 @@ import sys
 import numpy as np
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.estimate import Ending, Estimate
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.gauss_newton import descend, described
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+from hypernode.verdict import Ending
 
 
 def likeliest(*tried: Estimate) -> Estimate:

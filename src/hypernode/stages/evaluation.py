@@ -7,9 +7,9 @@ import numpy as np
 
 from hypernode.config.geometries import Image
 from hypernode.config.model import Config
+from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.shape import PrintedShape
-from hypernode.evaluation.verdict import judge_run
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.synthetic.geometry import make_shape

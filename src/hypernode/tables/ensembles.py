@@ -8,8 +8,9 @@ import numpy as np
 from hypernode.errors import ExpectedError
 from hypernode.storage.netcdf import read
 from hypernode.tables.columns import Column
-from hypernode.tables.runs import CONVERGED, GROUP, VERDICTS, judged_levels
+from hypernode.tables.runs import GROUP, VERDICTS, judged_levels
 from hypernode.tables.table import Table, judged_notes, make_frame
+from hypernode.verdict import Ending
 
 COLUMNS = {
     "mean error of members": Column("", "percent", judged_at="prescribed"),
@@ -50,7 +51,7 @@ def ensemble_table(evaluations: list[str], groups: dict[str, str]) -> Table:
                 "two; widen its pattern, or the table's 'runs'"
             )
         summaries = [json.loads(file.attrs["summary"]) for file in members]
-        stopped = sum(summary.get("ending", CONVERGED) != CONVERGED for summary in summaries)
+        stopped = sum(summary.get("ending", Ending.CONVERGED) != Ending.CONVERGED for summary in summaries)
         rows.append(
             {"ensemble": label, "runs": len(members)}
             | dict(zip(COLUMNS, _calibration(members), strict=False))

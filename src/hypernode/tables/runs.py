@@ -11,12 +11,12 @@ from hypernode.storage.netcdf import read, units_of
 from hypernode.tables.columns import COLUMNS, DEFAULT, VERDICT, VERDICTS, Column
 from hypernode.tables.table import Table, best_values, judged_notes, make_frame
 from hypernode.tables.verdicts import count
+from hypernode.verdict import Ending
 
 #: Statistic of a group -> function of its values.
 STATISTICS = {"mean": np.mean, "spread": np.std, "median": np.median, "largest": np.max}
 #: Statistics of which a smaller or larger one is better, as its column says.
 COMPARED = ("mean", "median")
-CONVERGED = "converged"
 VERDICT_NOTE = (
     "verdict: how far a run can be believed by its own numbers, the worst of its criteria; the command hypernode "
     "verdict prints a sentence on each that is not met."
@@ -42,7 +42,7 @@ class Run:
     @property
     def converged(self) -> bool:
         """False where the run says that it ended otherwise; methods that search for no field say nothing."""
-        return self.summary.get("ending", CONVERGED) == CONVERGED
+        return self.summary.get("ending", Ending.CONVERGED) == Ending.CONVERGED
 
 
 def judged_levels(summaries: Iterable[Mapping]) -> str:

@@ -3,44 +3,25 @@
 import json
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import xarray as xr
 
 from hypernode.errors import ExpectedError
 from hypernode.storage.netcdf import read
-
-#: Overall levels, the worst first.
-LEVELS = ("fail", "warn", "pass")
-#: Criterion that is said first: of a field that is still descending, other numbers mean little.
-FIRST = "convergence"
+from hypernode.verdict import Level, Verdict
 
 
 class VerdictError(ExpectedError, ValueError):
     """There is no verdict where one was asked for; the message names the file and the way out."""
 
 
-@dataclass(frozen=True)
-class RunVerdict:
-    """The verdict on one run.
-
-    Attributes:
-        run: ``case/method``.
-        overall: one of :data:`LEVELS`.
-        criteria: each with ``name``, ``level``, ``value``, ``threshold`` and ``sentence``.
-    """
+class RunVerdict(NamedTuple):
+    """The verdict on one run, ``case/method``."""
 
     run: str
-    overall: str
-    criteria: tuple[dict, ...]
-
-    @property
-    def sentences(self) -> list[str]:
-        """Those of the criteria that are not met: convergence, on which all else depends, then the worst first."""
-        unmet = [each for each in self.criteria if each["level"] in ("fail", "warn")]
-        order = sorted(unmet, key=lambda each: (each["name"] != FIRST, LEVELS.index(each["level"])))
-        return [each["sentence"] for each in order]
+    verdict: Verdict
 
     @classmethod
     def of(cls, evaluation: xr.Dataset, where: str = "evaluation.nc") -> "RunVerdict":
@@ -52,7 +33,7 @@ class RunVerdict:
         if "verdict" not in evaluation.attrs:
             raise VerdictError(f"{where}: holds no verdict: it is of an older version; delete it and run again")
         run, verdict = (json.loads(evaluation.attrs[key]) for key in ("run", "verdict"))
-        return cls(f"{run['case']}/{run['method']}", verdict["overall"], tuple(verdict["criteria"]))
+        return cls(f"{run['case']}/{run['method']}", Verdict.of(verdict))
 
 
 def read_verdicts(files: Iterable[str | Path]) -> list[RunVerdict]:
@@ -63,7 +44,7 @@ def read_verdicts(files: Iterable[str | Path]) -> list[RunVerdict]:
         VerdictError: a file holds no verdict.
     """
     found = [RunVerdict.of(read(file), str(file)) for file in files]
-    return sorted(found, key=lambda each: (LEVELS.index(each.overall), each.run))
+    return sorted(found, key=lambda each: (-each.verdict.overall.rank, each.run))
 
 
 def evaluations(folder: Path) -> list[Path]:
@@ -81,13 +62,13 @@ def evaluations(folder: Path) -> list[Path]:
 def listing(verdicts: list[RunVerdict]) -> list[str]:
     """One line a run: its level, its name, and a sentence for every criterion that it does not meet."""
     width = max(len(each.run) for each in verdicts)
-    return [f"{each.overall}  {each.run:{width}}  {' '.join(each.sentences)}".rstrip() for each in verdicts]
+    return [f"{each.overall}  {run:{width}}  {' '.join(each.sentences)}".rstrip() for run, each in verdicts]
 
 
 def count(levels: Iterable[str]) -> str:
     """How many of each level there are, the best first: ``7 pass, 2 warn``."""
     counted = Counter(levels)
-    return ", ".join(f"{counted[level]} {level}" for level in reversed(LEVELS) if counted[level])
+    return ", ".join(f"{counted[level]} {level}" for level in Level if counted[level])
 
 
 def tally(files: Iterable[str]) -> str:
@@ -97,7 +78,7 @@ def tally(files: Iterable[str]) -> str:
     a verdict that cannot be read is said and not raised.
     """
     try:
-        levels = [each.overall for each in read_verdicts(file for file in files if Path(file).is_file())]
+        levels = [each.verdict.overall for each in read_verdicts(file for file in files if Path(file).is_file())]
     except ExpectedError as error:
         return f"verdicts cannot be counted: {error}"
     return f"verdicts: {count(levels) or 'no run is evaluated'}; 'hypernode verdict' says why"

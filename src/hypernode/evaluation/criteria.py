@@ -1,10 +1,9 @@
-"""How far a run can be believed: criteria, each with its number, its threshold and one sentence."""
+"""The criteria of a verdict: what each asks of a run, and beyond which numbers it warns and fails."""
 
-import enum
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import xarray as xr
 
@@ -12,25 +11,7 @@ from hypernode.data.loading import Loading
 from hypernode.data.measurement import displacement_noise, is_cut_out, mesh_of
 from hypernode.evaluation.equilibrium import prescribed_nodes
 from hypernode.fem.mesh import EDGES
-
-#: Criterion -> what a verdict calls it where it is not met, if not by its name.
-UNMET = {"convergence": "not converged"}
-#: How a descent ends that is finished, as constrained.nc says it.
-CONVERGED = "converged"
-
-
-class Level(enum.StrEnum):
-    """What a criterion says, from the best to the worst; ``NOT_JUDGED`` where a run lacks the number."""
-
-    NOT_JUDGED = "not judged"
-    PASSED = "pass"
-    WARNED = "warn"
-    FAILED = "fail"
-
-    @property
-    def rank(self) -> int:
-        """Larger is worse."""
-        return list(Level).index(self)
+from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 
 @dataclass(frozen=True)
@@ -69,51 +50,6 @@ class Settings:
 
 
 SETTINGS = Settings()
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """One thing that a run is asked.
-
-    Attributes:
-        name: what it is about.
-        level: what it says.
-        sentence: the same in words.
-        value: the number judged, None where there is none or it is not finite.
-        threshold: the threshold that was passed, or else the first one, in the unit of ``value``.
-    """
-
-    name: str
-    level: Level
-    sentence: str
-    value: float | None = None
-    threshold: float | None = None
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """All criteria of a run."""
-
-    criteria: tuple[Criterion, ...]
-
-    @property
-    def overall(self) -> Level:
-        """The worst level of the criteria that are judged."""
-        return max((criterion.level for criterion in self.criteria), key=lambda level: level.rank)
-
-    @property
-    def label(self) -> str:
-        """The overall level, and the criteria that are to blame: ``pass``, ``warn: not converged``.
-
-        Those of the worst level; that a run did not converge is said in any case.
-        """
-        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
-        blamed = [UNMET.get(c.name, c.name) for c in unmet if c.level is self.overall or c.name in UNMET]
-        return f"{self.overall}: {', '.join(blamed)}" if blamed else str(self.overall)
-
-    def stored(self) -> dict:
-        """The verdict as result files hold it: ``overall`` and ``criteria``."""
-        return {"overall": str(self.overall), "criteria": [asdict(criterion) for criterion in self.criteria]}
 
 
 def judge_run(
@@ -167,7 +103,7 @@ def _convergence(summary, explained: Criterion) -> Criterion:
     name, ending = "convergence", summary.get("ending")
     if ending is None:
         return _not_judged(name, "The method searches for no equilibrium field.")
-    if ending == CONVERGED:
+    if ending == Ending.CONVERGED:
         return Criterion(name, Level.PASSED, "The equilibrium field converged.")
     sentence = f"The equilibrium field did not converge ({ending})"
     too_small = explained.value is not None and explained.value < explained.threshold

@@ -1,0 +1,93 @@
+"""How a run ended and how far it can be believed: the words that files, tables, figures and commands share."""
+
+import enum
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+#: Criterion that is said in any case and first, since of a field that is still descending other numbers mean little
+#: -> what a verdict calls it where it is not met.
+UNMET = {"convergence": "not converged"}
+
+
+class Ending(enum.StrEnum):
+    """How a descent ended; without equilibrium at its start there is no field, but an error."""
+
+    #: The data are explained, and one more step would change the cost by less than its tolerance.
+    CONVERGED = "converged"
+    #: No step lowers the cost any more, or the misfit hardly falls, before the data are explained to the tolerance.
+    STAGNATED = "stagnated"
+    #: It was still descending.
+    OUT_OF_ITERATIONS = "out of iterations"
+    #: No descent led here: parameters that another one may begin at.
+    UNFINISHED = "unfinished"
+
+
+class Level(enum.StrEnum):
+    """What a criterion says, from the best to the worst; ``NOT_JUDGED`` where a run lacks the number."""
+
+    NOT_JUDGED = "not judged"
+    PASSED = "pass"
+    WARNED = "warn"
+    FAILED = "fail"
+
+    @property
+    def rank(self) -> int:
+        """Larger is worse."""
+        return list(Level).index(self)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """One thing that a run is asked.
+
+    Attributes:
+        name: what it is about.
+        level: what it says.
+        sentence: the same in words.
+        value: the number judged, None where there is none or it is not finite.
+        threshold: the threshold that was passed, or else the first one, in the unit of ``value``.
+    """
+
+    name: str
+    level: Level
+    sentence: str
+    value: float | None = None
+    threshold: float | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All criteria of a run."""
+
+    criteria: tuple[Criterion, ...]
+
+    @property
+    def overall(self) -> Level:
+        """The worst level of the criteria that are judged."""
+        return max((criterion.level for criterion in self.criteria), key=lambda level: level.rank)
+
+    @property
+    def label(self) -> str:
+        """The overall level, and the criteria that are to blame: ``pass``, ``warn: not converged``.
+
+        Those of the worst level; that a run did not converge is said in any case.
+        """
+        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
+        blamed = [UNMET.get(c.name, c.name) for c in unmet if c.level is self.overall or c.name in UNMET]
+        return f"{self.overall}: {', '.join(blamed)}" if blamed else str(self.overall)
+
+    @property
+    def sentences(self) -> list[str]:
+        """Those of the criteria that are not met: convergence, on which all else depends, then the worst first."""
+        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
+        return [c.sentence for c in sorted(unmet, key=lambda c: (c.name not in UNMET, -c.level.rank))]
+
+    @classmethod
+    def of(cls, stored: Mapping) -> "Verdict":
+        """The verdict that :meth:`stored` gave."""
+        criteria = ({**each, "level": Level(each["level"])} for each in stored["criteria"])
+        return cls(tuple(Criterion(**each) for each in criteria))
+
+    def stored(self) -> dict:
+        """The verdict as result files hold it: ``overall`` and ``criteria``."""
+        return {"overall": str(self.overall), "criteria": [asdict(criterion) for criterion in self.criteria]}
