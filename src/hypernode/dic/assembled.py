@@ -8,7 +8,8 @@ from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import MATRIX, numbered
 from hypernode.dic.points import UNITS, Points, points_from
-from hypernode.dic.table import read_table, read_text
+from hypernode.dic.table import read_table
+from hypernode.dic.text import read_text
 
 
 def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:

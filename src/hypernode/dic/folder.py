@@ -9,7 +9,8 @@ from hypernode.config.specimens import Specimen
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
-from hypernode.dic.table import HEAD_BYTES, layout_of, read_text
+from hypernode.dic.table import HEAD_BYTES, layout_of
+from hypernode.dic.text import read_text
 
 SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", ".mat"}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")

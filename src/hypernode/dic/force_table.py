@@ -1,6 +1,5 @@
 """A machine's record as cells: which dialect it is written in, its header, its units, its rows."""
 
-import codecs
 import csv
 import io
 import re
@@ -9,6 +8,7 @@ from pathlib import Path
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_dialects import DIALECTS, Dialect
+from hypernode.dic.text import read_text
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
 _SUFFIX = re.compile(r"^(?P<name>.*)_(?P<unit>[^_]+)$")
@@ -41,7 +41,7 @@ def read_table(path: Path, wanted: str | None) -> Table:
     Raises:
         DicError: the file cannot be read, or no dialect has its header.
     """
-    text = _decoded(path)
+    text = read_text(path)
     known = [each for each in DIALECTS if wanted in (None, each.name)]
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
@@ -61,19 +61,6 @@ def read_table(path: Path, wanted: str | None) -> Table:
         f"{path}:1: no column 'Force' or 'Time' among {str(shown)[:200]}, and the header of no known program "
         f"({', '.join(each.program for each in known)}): rename the columns, or set force_format and force_channel"
     )
-
-
-def _decoded(path: Path) -> str:
-    """The file's text: UTF-8 or UTF-16 where it is, else Latin-1, in which every byte is a character."""
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise DicError(f"{path}: cannot be read: {error.strerror}") from None
-    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    try:
-        return content.decode("utf-16" if wide else "utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
 
 
 def _cut(path: Path, text: str, delimiter: str) -> list[list[str]]:

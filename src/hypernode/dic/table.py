@@ -9,9 +9,8 @@ import numpy as np
 
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
+from hypernode.dic.text import read_text
 
-#: Largest file that is read; a frame of ten million points is far below it.
-MAX_BYTES = 2_000_000_000
 #: Lines in which a header is looked for, and bytes of a file that hold them.
 HEAD_LINES, HEAD_BYTES = 300, 1 << 17
 _DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
@@ -27,28 +26,6 @@ class Layout:
     decimal: str
     header: int
     rows: int | None = None
-
-
-def read_text(path: Path, limit: int = MAX_BYTES) -> str:
-    """A file, or its first ``limit`` bytes, as text: UTF-8, else the code page of Western Windows.
-
-    Raises:
-        DicError: the file cannot be read or is too large.
-    """
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise DicError(f"{path}: larger than {MAX_BYTES} bytes: not a frame export")
-        with open(path, "rb") as handle:
-            content = handle.read(limit)
-    except OSError as error:
-        raise DicError(f"{path}: cannot be read: {error}") from None
-    if b"\0" in content:
-        raise DicError(f"{path}: cannot be read as text: it holds zero bytes")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
