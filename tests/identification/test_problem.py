@@ -110,3 +110,14 @@ def test_the_curvature_of_two_steps_is_nearly_that_of_a_noisy_test_and_all_of_it
             np.linalg.eigvalsh(each(np.eye(params.size))) for each in (linear.curvature, linear.nearly_curvature)
         )
         assert np.abs(lean - full).max() < difference * full.max()
+
+
+def test_observed_are_the_displacements_that_nothing_prescribes_and_that_were_not_lost():
+    data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-3)
+    settings = Constrained(terms=[])
+    assert field_problem(data, settings).observed == 2 * 2 * (36 - 12)
+    assert field_problem(data.assign_attrs(outline="cut"), settings).observed == 2 * 2 * 16
+    u = data["u_measured"].values.copy()
+    u[:, 1, 14] = np.nan
+    lost = data.assign(u_measured=(data["u_measured"].dims, u))
+    assert field_problem(lost, settings).observed == 2 * 2 * (36 - 12) - 2

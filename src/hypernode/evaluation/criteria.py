@@ -7,10 +7,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from hypernode.data.loading import Loading
-from hypernode.data.measurement import displacement_noise, is_cut_out, mesh_of
-from hypernode.evaluation.equilibrium import prescribed_nodes
-from hypernode.fem.mesh import EDGES
+from hypernode.data.measurement import is_cut_out
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 
@@ -66,7 +63,7 @@ def judge_run(
     """
     uncertainty = max(float(measurement.attrs["force_uncertainty"]), settings.force_uncertainty)
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
-    explained = _displacements(summary, measurement, constrained, settings)
+    explained = _displacements(summary, constrained, settings)
     return Verdict(
         (
             _convergence(summary, explained),
@@ -112,24 +109,13 @@ def _convergence(summary, explained: Criterion) -> Criterion:
     return Criterion(name, Level.WARNED, f"{sentence}.")
 
 
-def observed_displacements(measurement: xr.Dataset) -> int:
-    """Number of measured displacement components that are not prescribed, over all load steps."""
-    mesh = mesh_of(measurement)
-    prescribed = prescribed_nodes(mesh, Loading.of(measurement))
-    if is_cut_out(measurement):
-        for edge in EDGES:
-            prescribed[:, mesh.on_edge(edge)] = True
-    return int((~prescribed).sum())
-
-
-def _displacements(summary, measurement, constrained, settings: Settings) -> Criterion:
+def _displacements(summary, constrained, settings: Settings) -> Criterion:
     """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
     name = "displacements"
     if constrained is None:
         return _not_judged(name, "The method computes no displacements.")
-    noise, sigma = displacement_noise(measurement), float(constrained.attrs["displacement_sigma"])
-    # The uncertainty is noise and the error of finite elements together: the larger of the two rules it.
-    noisy = 2.0 * noise**2 >= sigma**2
+    observed = int(constrained.attrs["observed_displacements"])
+    noisy = json.loads(constrained.attrs["noise_rules_displacements"])
     value = float(summary["displacement_misfit"])
     words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
     if noisy and value < settings.misfit_low:
@@ -137,7 +123,7 @@ def _displacements(summary, measurement, constrained, settings: Settings) -> Cri
             f"{words} {value:.2f}, less than {settings.misfit_low:.2f}: the noise is stated too large, or is fitted."
         )
         return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
-    by_chance = settings.chance / math.sqrt(2.0 * observed_displacements(measurement)) if noisy else 0.0
+    by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
     return _limited(name, words, value, threshold, "{:.2f}".format)
 

@@ -88,9 +88,14 @@ class FieldProblem:
         return not self.noisy and self.observations.window > 0.0
 
     @property
+    def observed(self) -> int:
+        """Number of observed displacements: measured, not prescribed and not lost, over all load steps."""
+        return sum(len(boundary.observed) for boundary in self.observations.boundaries)
+
+    @property
     def cost_of_noise(self) -> float:
-        """Half the number of observed displacements: what noise of the assumed size costs at the true field."""
-        return 0.5 * sum(len(boundary.observed) for boundary in self.observations.boundaries)
+        """What noise of the assumed size costs at the true field."""
+        return 0.5 * self.observed
 
     def _cell_sensitivity(self, u, params, gradient, weight):
         """d(nodal forces)/d(parameters) of one cell (8, parameter)."""

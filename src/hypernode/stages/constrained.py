@@ -43,6 +43,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **_ending(found),
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
+            "observed_displacements": problem.observed,
+            "noise_rules_displacements": problem.noisy,
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
