@@ -1,10 +1,13 @@
-"""Jobs and the process that started them."""
+"""Jobs: the process that started them, and what they set up before they compute."""
 
+import os
 import subprocess
 import sys
 import time
 
 import pytest
+
+from hypernode.storage import environment
 
 JOB = """
 import sys, time
@@ -49,3 +52,23 @@ def test_a_job_computes_in_the_precision_that_its_rule_asks_for():
             [sys.executable, "-c", code.format(float64)], capture_output=True, text=True, check=True, timeout=60
         )
         assert done.stdout.strip() == wanted
+
+
+def test_a_job_that_loads_what_another_one_compiled_says_nothing(tmp_path):
+    code = "import hypernode.pipeline.compiler as c; c.set_up_compiler(True); import jax; jax.numpy.ones(9).sum()"
+    variables = {**os.environ, "HYPERNODE_CACHE": str(tmp_path)}
+    variables.pop("TF_CPP_MIN_LOG_LEVEL", None)
+    for _ in ("compiles", "loads"):
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=True, timeout=60
+        )
+        assert (done.stdout, done.stderr) == ("", "")
+    assert [*tmp_path.glob("jax-*/*-cache")]
+
+
+def test_processors_with_other_instructions_do_not_share_what_is_compiled(monkeypatch):
+    found = set()
+    for instructions in ("sse2 avx2", "avx2 sse2", "sse2 avx2 avx512f"):
+        monkeypatch.setattr(environment, "_cpuinfo", {"flags": instructions}.get)
+        found.add(environment.instruction_set.__wrapped__())
+    assert len(found) == 2

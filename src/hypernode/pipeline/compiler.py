@@ -4,6 +4,8 @@ import importlib.metadata
 import os
 from pathlib import Path
 
+from hypernode.storage.environment import instruction_set
+
 #: XLA's older emitters of CPU kernels (docs/decisions/0016). A step of ours is hundreds of small kernels. The newer
 #: emitters set up a compiler of their own for each, which takes longer than what they save in all but the longest
 #: training.
@@ -39,7 +41,12 @@ def set_up_compiler(float64: bool) -> None:
     Args:
         float64: whether JAX computes in double precision.
     """
-    folder = Path(os.environ.get("HYPERNODE_CACHE", ".cache")) / f"jax-{importlib.metadata.version('jaxlib')}"
+    # What one processor compiled may stop another one, of the same cluster, at an instruction that it lacks.
+    version = f"jax-{importlib.metadata.version('jaxlib')}-{instruction_set()}"
+    folder = Path(os.environ.get("HYPERNODE_CACHE", ".cache")) / version
+    # With that, XLA's complaint on every load from the cache is false: it takes what LLVM prefers to avoid for
+    # instructions that the processor lacks (openxla/xla 44565). What does stop a job is an exception in any case.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     os.environ |= {
         **compiler_settings(float64),
         "JAX_COMPILATION_CACHE_DIR": str(folder.resolve()),

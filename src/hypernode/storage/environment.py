@@ -1,5 +1,6 @@
 """What around the code can change a number: packages, compiler, precision, processor."""
 
+import hashlib
 import importlib.metadata
 import os
 import platform
@@ -47,9 +48,22 @@ def compiler() -> dict[str, str]:
 @cache
 def processor() -> dict[str, str]:
     """Architecture and model name of the processor; the model is empty where the system does not tell."""
+    return {"architecture": platform.machine(), "model": _cpuinfo("model name") or platform.processor()}
+
+
+@cache
+def instruction_set() -> str:
+    """Digest of the instructions that the processor has; of its name where the system does not list them."""
+    instructions = _cpuinfo("flags") or _cpuinfo("Features")
+    named = " ".join(sorted(instructions.split())) or " ".join(processor().values())
+    return hashlib.sha256(named.encode()).hexdigest()[:12]
+
+
+def _cpuinfo(key: str) -> str:
+    """What Linux says about the first processor, empty where it does not."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        text = ""
-    model = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
-    return {"architecture": platform.machine(), "model": model[1].strip() if model else platform.processor()}
+        return ""
+    found = re.search(rf"^{key}\s*:\s*(.+)$", text, re.MULTILINE)
+    return found[1].strip() if found else ""
