@@ -50,6 +50,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
             "correlation_window": window,
             "thickness": 1.0,
             "outline": "edge",
+            "forces": "measured",
         },
     )
     return data, mesh, params

@@ -14,7 +14,11 @@ from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import CONSTRAINED, make_load
 from tests.sheets import SCALE, sheet, square
 
-KINDS = sorted(set(CONSTRAINED) - {"biaxial"})
+# What a general test does to a sheet, no kind of load says.
+KINDS = sorted(set(CONSTRAINED) - {"biaxial", "general"})
+#: Relative error of the mean stress that resultants tell. Clamps all round carry shear along the sides, which no
+#: machine records: there the mean stress is known as well as that shear is small.
+EXACT, CLAMPED_ALL_ROUND = 0.01, 0.03
 
 
 def nowhere(X):
@@ -35,7 +39,8 @@ def test_a_mean_stress_that_resultants_tell_is_the_mean_of_the_stress(kind):
     mean = np.moveaxis(mean_gradient(mesh, P)[..., 0], -1, 0)
     assert loading.measured.any(axis=(1, 2)).all()
     unit = np.linalg.norm(mean, axis=(1, 2))[:, None, None]
-    assert np.abs((loading.P_average - mean) / unit)[loading.measured].max() < 0.01
+    bound = CLAMPED_ALL_ROUND if kind == "biaxial_clamped" else EXACT
+    assert np.abs((loading.P_average - mean) / unit)[loading.measured].max() < bound
 
 
 @pytest.mark.parametrize("kind", KINDS)

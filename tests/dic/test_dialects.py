@@ -5,11 +5,11 @@ import typing
 import numpy as np
 import pytest
 
-from hypernode.config.specimens import Format
+from hypernode.config.specimen_tests import Format
 from hypernode.dic.dialects import BY_NAME, DIALECTS
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import dialect_of, find_series
-from hypernode.dic.reading import read_series, read_specimen
+from hypernode.dic.reading import read_series, read_test
 from hypernode.dic.series import Frame, Series
 from hypernode.dic.writing import write_series
 from tests.dic.exports import (
@@ -205,11 +205,11 @@ def test_a_declared_table_is_read_as_it_is_declared(tmp_path):
         read_series(tmp_path)
     columns = {"x": "px", "y": "py", "u": "dx", "v": "dy", "delimiter": "\t", "decimal": ","}
     declared = specimen(tmp_path, format="table", table={**columns, "unit": "mm"}, y_points="down")
-    series = read_specimen(declared)
+    series = read_test(declared)
     X, Y = np.meshgrid(series.x, series.y)
     np.testing.assert_allclose(series.frames[1].displacement, np.stack(displacement(1, X, Y), axis=-1), atol=1e-8)
     with pytest.raises(DicError, match="no unit is named"):
-        read_specimen(specimen(tmp_path, format="table", table=columns))
+        read_test(specimen(tmp_path, format="table", table=columns))
 
 
 def test_a_series_written_and_read_again_keeps_its_bits(tmp_path):

@@ -6,23 +6,25 @@ from hypernode.config.loading import ConfigError, check_config
 from hypernode.dic.dialects import BY_NAME
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import numbered
-from hypernode.dic.reading import read_series, read_specimen
+from hypernode.dic.reading import read_series, read_test
 from tests.dic.exports import specimen, write
 
 
 def test_pixels_need_their_size_and_millimetres_none(tmp_path, capsys):
     write(tmp_path, "davis")
     with pytest.raises(DicError, match="give pixel_size"):
-        read_specimen(specimen(tmp_path)).millimetres(None)
-    assert read_specimen(specimen(tmp_path)).millimetres(0.25) == 0.25
+        read_test(specimen(tmp_path)).millimetres(None)
+    assert read_test(specimen(tmp_path)).millimetres(0.25) == 0.25
     for path in tmp_path.iterdir():
         path.unlink()
     write(tmp_path, "davis_mm")
-    assert read_specimen(specimen(tmp_path, pixel_size=0.25)).millimetres(0.25) == 1.0
+    assert read_test(specimen(tmp_path, pixel_size=0.25)).millimetres(0.25) == 1.0
     assert "pixel_size is ignored" in capsys.readouterr().err
-    with pytest.raises(ConfigError, match="give pixel_size, or noise_mm"):
+    with pytest.raises(ConfigError, match="give only one of noise_pixels, noise_mm"):
         check_config({
-            "specimens": {"s": {"folder": "f", "width": 1, "height": 1, "thickness": 1, "frame_rate": 1}},
+            "specimens": {
+                "s": {"folder": "f", "width": 1, "height": 1, "thickness": 1, "noise_mm": 1, "noise_pixels": 1},
+            },
             "cases": {"c": {"specimen": "s"}},
         })  # fmt: skip
 

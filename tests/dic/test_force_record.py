@@ -5,16 +5,25 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from hypernode.config.specimens import ForceFormat
+from hypernode.config.specimen_tests import ForceFormat
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_dialects import DIALECTS
 from hypernode.dic.force_matching import pull_record
 from hypernode.dic.force_record import read_force_record
+from hypernode.dic.frame_clock import FrameClock
 
 PLAIN = 'Time,Displacement,Force\n(s),(mm),(N)\n"0.0","0.0","1.5"\n"0.5","0.2","2.5"\n'
 # Every file below holds the same pull: 1.5 and 2.5 N at 0 and 0.5 s, the crosshead, if recorded, at 0 and 0.2 mm.
 FILES = {
     "named_columns": PLAIN,
+    "named_axes": (
+        "Time,Displacement x,Displacement y,Force x,Force y\n(s),(mm),(mm),(N),(N)\n"
+        "0.0,0.0,0,1.5,0.7\n0.5,0.2,0.1,2.5,0.9\n"
+    ),
+    "named_axes_brackets": (
+        "Time (s),Displacement x (mm),Displacement y (mm),Force x (N),Force y (N)\n"
+        "0.0,0.0,0,1.5,0.7\n0.5,0.2,0.1,2.5,0.9\n"
+    ),
     "bluehill_3": (
         'Specimen label : "A",\nRate : 24.0,mm/min\n\n'
         '"Results Table 1"\n"Time","Extension","Load"\n"(s)","(mm)","(kN)"\n'
@@ -132,9 +141,8 @@ def test_a_program_that_is_named_and_did_not_write_the_file_is_an_error(tmp_path
 
 
 def pull(read, **changes):
-    return pull_record(
-        read, **{"axis": "x", "force_offset": 0.0, "first_number": 1, "first_time": 0.0, "frame_rate": 2.0, **changes}
-    )
+    clock = FrameClock(np.array([1.0, 2.0]), np.array([0.0, 0.5]))
+    return pull_record(read, **{"axis": "x", "force_offset": 0.0, "clock": clock, **changes})
 
 
 def test_forces_are_those_of_the_picture_where_pictures_are_numbered_and_their_mean_where_one_is_repeated(tmp_path):

@@ -1,5 +1,7 @@
 """Sheets of one identified phase."""
 
+import json
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -62,8 +64,11 @@ def test_other_frames_of_a_test_are_predicted_with_the_relaxation_of_those_that_
         attrs={"thickness": 0.5, "displacement_noise": 0.0},
     )
     identified = xr.Dataset(
-        {"relaxation_time": ("record_sample", [2.0, 4.0]), "relaxation_factor": ("record_sample", [1.5, 1.3])},
-        attrs={"pace": 1.4 / 0.9},
+        {
+            "relaxation_time": (("test", "record_sample"), [[2.0, 4.0]]),
+            "relaxation_factor": (("test", "record_sample"), [[1.5, 1.3]]),
+        },
+        attrs={"pace": json.dumps([1.4 / 0.9])},
     )
     progress = Progress("references", "sheet", 9)
     everywhere = lambda places: np.tile(params[:, None], len(places))  # noqa: E731

@@ -29,7 +29,7 @@ GOOD = {
 def clean():
     """A measured sheet, without noise."""
     measurement, _, _ = sheet(8, square, make_load("biaxial", [[1.05, 1.04], [1.1, 1.06]]), terms=("I1_squared",))
-    return measurement.assign_attrs(displacement_noise=0.0, force_uncertainty=0.0, outline="edge")
+    return measurement.assign_attrs(displacement_noise=0.0, force_uncertainty=0.0, outline="edge", forces="measured")
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ from hypernode.config.problems import describe, near, written_path
 from hypernode.config.references import unknown_references
 from hypernode.config.section import NAME
 from hypernode.config.sources import Source, Sources, read_yaml
+from hypernode.config.specimens import Specimen
 
 __all__ = ["ConfigError", "check_config", "load_config"]
 
@@ -110,13 +111,7 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             where = sources.where("geometries", name, "path")
             raise ConfigError(f"{where}: geometries.{name}.path = {geometry.path!r}: no such file")
     for name, specimen in config.specimens.items():
-        if not (specimen.optional or Path(specimen.folder).is_dir()):
-            where = sources.where("specimens", name, "folder")
-            source = f" (published in {specimen.published_at})" if specimen.published_at else ""
-            raise ConfigError(
-                f"{where}: specimens.{name}.folder = {specimen.folder!r}: no such folder: put the specimen's files "
-                f"there{source}, or say 'optional: true' to leave it out where they are absent"
-            )
+        _check_folders(name, specimen, sources)
     # A sheet that others are compared with needs none.
     compared = {other for case in config.cases.values() for other in case.references.values()}
     for name, case in config.cases.items():
@@ -125,3 +120,16 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             raise ConfigError(f"{where}.methods: list at least one method ({', '.join(allowed)})")
         if case.inclusion is None and not case.specimen and config.geometries[case.geometry].shape != "uniform":
             raise ConfigError(f"{where}: the geometry '{case.geometry}' needs an inclusion material")
+
+
+def _check_folders(name: str, specimen: Specimen, sources: Sources) -> None:
+    """Refuse folders that are absent where they may not be."""
+    for number, test in enumerate(specimen.all_tests):
+        if specimen.optional or Path(test.folder).is_dir():
+            continue
+        path = ("specimens", name, *(("tests", number) if specimen.tests else ()), "folder")
+        source = f" (published in {specimen.published_at})" if specimen.published_at else ""
+        raise ConfigError(
+            f"{sources.where(*path)}: {'.'.join(map(str, path))} = {test.folder!r}: no such folder: put the specimen's "
+            f"files there{source}, or say 'optional: true' to leave it out where they are absent"
+        )

@@ -9,11 +9,14 @@ from hypernode.config.geometries import Geometry
 from hypernode.config.methods import Method
 from hypernode.config.outputs import Figure, RunTable, Table
 from hypernode.config.section import Section
+from hypernode.config.specimen_tests import SpecimenLoad
 from hypernode.config.specimens import Specimen
 from hypernode.config.synthetic import Load, LoadKind, Material, Noise
-from hypernode.mechanics.loads import CONSTRAINED
+from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS
 
-assert set(get_args(LoadKind)) == set(CONSTRAINED), "the schema lists every load kind"
+# Whoever computes a test must say how its outline moves: general tests are measured ones.
+assert {*get_args(LoadKind), "general"} == set(CONSTRAINED), "the schema lists every load kind"
+assert set(get_args(SpecimenLoad)) <= set(RESULTANTS), "the machine's resultants are known for every load"
 
 
 class Config(Section):

@@ -8,7 +8,9 @@ from pydantic import ConfigDict, Field, model_validator
 from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import PARAMETERS
 
-LoadKind = Literal["equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear"]
+LoadKind = Literal[
+    "equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear", "biaxial_clamped"
+]
 
 
 class Material(Section):

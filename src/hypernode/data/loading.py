@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from hypernode.data.measurement import stress_resultants
 from hypernode.fem.mesh import EDGES, tied_edge
@@ -22,7 +22,8 @@ class Loading:
         P_average: force over cross-section, ``pre-training1``, component i on the sides normal to J (step, 2, 2), 0
             where not measured.
         measured: whether that mean stress is known (step, 2, 2).
-        scale: norm of P_average (step,), the stress unit of each step.
+        scale: norm of P_average (step,), the stress unit of each step; of one whose force is not known, that of the
+            largest known one in proportion to their displacement gradients.
         constrained, known: per load case and edge and component (case, edge, 2).
     """
 
@@ -68,12 +69,8 @@ class Loading:
         free = ~held.any(axis=2, keepdims=True) & np.eye(2, dtype=bool)
         measured = finite & (held & ~held[..., ::-1] | held & np.eye(2, dtype=bool) | free)
         P = np.where(measured, total.transpose(0, 2, 1) / section, 0.0)
-        scale = np.linalg.norm(P.reshape(len(load_case), 4), axis=1)
-        if (scale <= 0).any():
-            raise ValueError(
-                f"load step {int(np.argmin(scale))} carries no force: every step needs a measured resultant"
-            )
         H = np.abs(measurement["H"].values).reshape(len(load_case), 4).max(axis=1)
+        scale = _scale(np.linalg.norm(P.reshape(len(load_case), 4), axis=1), measured.any(axis=(1, 2)), H)
         largest = np.array([H[load_case == k].max() for k in load_case])
         first = [int(np.flatnonzero(load_case == k)[0]) for k in range(load_case.max() + 1)]
         known = np.isfinite(force) & constrained
@@ -85,3 +82,14 @@ class Loading:
                     axis, sign = EDGES[tied]
                     resultant[step, i] = sign * total[step, axis, i]
         return cls(load_case, H / largest, resultant, P, measured, scale, constrained[first], known[first])
+
+
+def _scale(
+    size: Float[np.ndarray, " step"], known: Bool[np.ndarray, " step"], H: Float[np.ndarray, " step"]
+) -> Float[np.ndarray, " step"]:
+    """The stress unit of each step, from the sizes of those mean stresses that are known."""
+    if (size[known] <= 0.0).any() or not known.any():
+        step = int(np.flatnonzero(known)[np.argmin(size[known])]) if known.any() else 0
+        raise ValueError(f"load step {step} carries no force: a sheet needs a measured resultant")
+    largest = int(np.argmax(size))
+    return np.where(known, size, size[largest] * H / H[largest])

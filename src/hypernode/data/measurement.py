@@ -1,5 +1,7 @@
 """What a measurement says, read from its opened file."""
 
+import json
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
@@ -40,15 +42,15 @@ def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
 
 
 def relaxation_at(measurement: xr.Dataset, time: Float[np.ndarray, " step"]) -> Float[np.ndarray, "step 1 1"]:
-    """Recorded over elastic force at other times of a specimen's test, for the components of every edge.
+    """Recorded over elastic force at other times of a specimen's first test, for the components of every edge.
 
     Beyond the frames from which it is known, it is that of the nearest time.
 
     Args:
         time: in the clock of the force record [s].
     """
-    factor = np.interp(time, measurement["relaxation_time"].values, measurement["relaxation_factor"].values)
-    return (factor / float(measurement.attrs["pace"]))[:, None, None]
+    factor = np.interp(time, measurement["relaxation_time"].values[0], measurement["relaxation_factor"].values[0])
+    return (factor / json.loads(measurement.attrs["pace"])[0])[:, None, None]
 
 
 def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:

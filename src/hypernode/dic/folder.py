@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from hypernode.config.specimens import Specimen
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
@@ -162,21 +162,27 @@ def _place(folder: Path, runs: list[list[str]]) -> int:
     return len(counts) - 1
 
 
-def dialect_of(specimen: Specimen) -> Dialect | None:
-    """The dialect that a specimen declares; ``None`` where its files are to show it."""
-    if specimen.format == "auto":
+def dialect_of(test: SpecimenTest) -> Dialect | None:
+    """The dialect that a test declares; ``None`` where its files are to show it."""
+    if test.format == "auto":
         dialect = None
-    elif specimen.format == "table":
-        dialect = declared(**specimen.table.model_dump())
+    elif test.format == "table":
+        dialect = declared(**test.table.model_dump())
     else:
-        dialect = BY_NAME[specimen.format]
+        dialect = BY_NAME[test.format]
     return dialect
 
 
-def raw_files(specimen: Specimen) -> list[Path]:
-    """Every displacement file of a specimen.
+def raw_files(test: SpecimenTest) -> list[Path]:
+    """Every displacement file of a test, and its force record where frames do not hold the force themselves.
 
     Raises:
         DicError: there is no folder, no frame, or more than one series.
     """
-    return list(find_series(Path(specimen.folder), dialect_of(specimen)).files.values())
+    found = find_series(Path(test.folder), dialect_of(test))
+    files = list(found.files.values())
+    if test.force_file is None:
+        return files
+    record = Path(test.folder) / test.force_file
+    own = found.dialect.force or found.dialect.preamble_force
+    return files if own and not record.is_file() else [*files, record]

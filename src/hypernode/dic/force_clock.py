@@ -134,13 +134,13 @@ def _crossing(time, course, level) -> tuple[float, float]:
 
 
 def check_clock(
-    offsets: list[ClockOffset], frame_rate: float, accepted: bool, limits: ForceLimits = LIMITS
+    offsets: list[ClockOffset], interval: float, accepted: bool, limits: ForceLimits = LIMITS
 ) -> list[Finding]:
     """The clocks agree within some frame intervals and within what the estimate can tell.
 
     Args:
         offsets: as estimated.
-        frame_rate: frames in a second [1/s].
+        interval: between frames [s].
         accepted: whether the configuration gives the offset, so that a disagreement is only worth a warning.
         limits: how far they may differ.
     """
@@ -154,7 +154,7 @@ def check_clock(
         for each in offsets
         if each not in alike
     ]
-    least = limits.clock_intervals / frame_rate
+    least = limits.clock_intervals * interval
     apart = [each for each in alike if abs(each.seconds) > max(least, limits.clock_deviations * each.uncertainty)]
     if apart:
         findings.append(

@@ -115,6 +115,23 @@ DIALECTS = (
         units="brackets",
     ),
     Dialect(
+        name="named_axes",
+        program="columns Time, Force x and Force y",
+        time=("time",),
+        force={"x": ("force x", "force_x", "fx", "x force"), "y": ("force y", "force_y", "fy", "y force")},
+        displacement={"x": ("displacement x", "displacement_x"), "y": ("displacement y", "displacement_y")},
+        preamble=0,
+    ),
+    Dialect(
+        name="named_axes_brackets",
+        program="columns Time, Force x and Force y with units in brackets",
+        time=("time",),
+        force={"x": ("force x", "force_x", "fx", "x force"), "y": ("force y", "force_y", "fy", "y force")},
+        displacement={"x": ("displacement x", "displacement_x"), "y": ("displacement y", "displacement_y")},
+        units="brackets",
+        preamble=0,
+    ),
+    Dialect(
         name="named_columns",
         program="columns Time and Force",
         time=("time",),

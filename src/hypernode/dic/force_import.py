@@ -1,4 +1,4 @@
-"""The forces of a specimen's load steps, checked before anything is computed with them."""
+"""The forces of a test's load steps, checked before anything is computed with them."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -6,13 +6,21 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from hypernode.config.specimens import Specimen
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_checks import Finding, check_rest, check_rise, check_stiffness, check_units
 from hypernode.dic.force_clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
+from hypernode.dic.force_dialects import PULL
 from hypernode.dic.force_matching import PullRecord, pull_record
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.force_record import ForceRecord, read_force_record, record_of_frames
+from hypernode.dic.frame_clock import FrameClock
+from hypernode.dic.frames import working_stretch
+from hypernode.dic.series import Series
+from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
+
+#: Component (i, J) of a resultant: the force along i across the sections whose normal is J.
+Component = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -20,88 +28,134 @@ class Forces:
     """Forces of the load steps.
 
     Attributes:
-        pull: the record, in its own clock, with that of the frames.
-        time: of every load step in the clock of the record [s].
-        force: of every load step [N].
+        path: of the record, or of the folder whose frames hold the force themselves.
+        pulls: by component of the resultant, the record in its own clock, with that of the frames.
+        time: of every load step in the clock of the record [s]; NaN where nothing tells it.
+        force: by component, of every load step [N].
         findings: sentences on what is strange about them.
     """
 
-    pull: PullRecord
+    path: Path
+    pulls: dict[Component, PullRecord]
     time: Float[np.ndarray, " step"]
-    force: Float[np.ndarray, " step"]
+    force: dict[Component, Float[np.ndarray, " step"]]
     findings: tuple[str, ...]
 
 
 def import_forces(
-    specimen: Specimen,
-    axis: int,
-    numbers: Int[np.ndarray, " frame"],
-    stretch: Float[np.ndarray, " frame"],
+    test: SpecimenTest,
+    sections: tuple[float, float],
+    series: Series,
+    clock: FrameClock | None,
     chosen: Int[np.ndarray, " step"],
 ) -> Forces:
-    """Read the record of a specimen, match it with the frames and check it.
+    """Read the record of a test, match it with the frames and check it.
 
     Args:
-        specimen: what the configuration says of it.
-        axis: of the pull: 0 or 1.
-        numbers: of the frames that were read, the reference first.
-        stretch: mean stretch of each along the pull, NaN where it is not known.
+        test: what the configuration says of it.
+        sections: areas of the sheet's sections normal to x and to y [mm^2].
+        series: the frames that were read, the reference first.
+        clock: when they were taken; None where nothing tells.
         chosen: numbers of the frames that are load steps.
 
     Raises:
-        DicError: the record cannot be read, does not reach a load step, or holds what no sheet can give.
+        DicError: the record cannot be read, does not reach a load step, lacks a force, or holds what no sheet can give.
     """
-    path = Path(specimen.folder) / specimen.force_file
-    record = read_force_record(
-        path, specimen.force_format, specimen.force_channel, specimen.force_set, specimen.force_cycle
-    )
+    record = _record(test, series)
     channels = ", ".join(record.channels)
-    say("import", specimen.folder, f"{path.name}: read as {record.dialect.name} ({record.dialect.program}): {channels}")
-    given = specimen.force_time_offset
-    seconds = given if isinstance(given, float) else 0.0
-    first = (int(numbers[0]), specimen.first_frame_time + seconds, specimen.frame_rate)
-    pull = pull_record(record, "xy"[axis], specimen.force_offset, *first)
-    seen = (numbers <= chosen.max()) & np.isfinite(stretch)
-    findings = []
-    if pull.image is None:
-        offsets = _offsets(pull, numbers[seen], stretch[seen])
-        if given == "estimate":
-            pull, sentence = _shifted(pull, offsets)
-            findings.append(Finding(sentence, False))
-        else:
-            findings += check_clock(offsets, specimen.frame_rate, accepted=given is not None)
-    time, force = pull.times(chosen), pull.forces(chosen)
-    section = (specimen.width, specimen.height)[1 - axis] * specimen.thickness
-    step_stretch = np.array([stretch[numbers == number][0] for number in chosen])
-    known, forces = _within(pull, numbers[seen])
-    findings += check_rise(stretch[seen][known], forces)
-    findings += check_units(pull.time, pull.force)
-    findings += check_stiffness(step_stretch, force, section, chosen)
-    findings += check_rest(forces) if known[0] else []
-    return Forces(pull, time, force, _reported(specimen.folder, path, findings))
+    say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
+    pulls = {part: pull_record(record, "xy"[part[0]], _offset(test, part), clock) for part in _components(test, record)}
+    pulls, findings = _on_one_clock(test, pulls, series, chosen)
+    numbers = np.array([frame.number for frame in series.frames])
+    several = len(pulls) > 1
+    for part, pull in pulls.items():
+        found = _checked(pull, numbers, working_stretch(series, test.load, *part), sections[part[1]], chosen)
+        about = f"along {'xy'[part[0]]}: " if several else ""
+        findings += [replace(each, sentence=about + each.sentence) for each in found]
+    first = next(iter(pulls.values()))
+    time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
+    force = {part: pull.forces(chosen) for part, pull in pulls.items()}
+    return Forces(record.path, pulls, time, force, _reported(test.folder, record.path, findings))
 
 
-def _offsets(pull: PullRecord, numbers, stretch) -> list[ClockOffset]:
-    return estimate_offsets(pull.times(numbers), stretch, pull.time, pull.force, pull.displacement)
+def _record(test: SpecimenTest, series: Series) -> ForceRecord:
+    """The machine's record; where there is no file, what the frames themselves say of the force."""
+    path = Path(test.folder) / test.force_file
+    if path.is_file() or not any(frame.force is not None for frame in series.frames):
+        return read_force_record(path, test.force_format, test.force_channel, test.force_set, test.force_cycle)
+    return record_of_frames(Path(test.folder), series)
 
 
-def _shifted(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[PullRecord, str]:
-    """The pull with the estimated offset of its clock, and the sentence that says so."""
+def _components(test: SpecimenTest, record: ForceRecord) -> list[Component]:
+    """Which resultants of the load the record tells.
+
+    Raises:
+        DicError: it lacks one that the load needs.
+    """
+    wanted = list(RESULTANTS[test.load])
+    if record.axes == (PULL,):
+        if len(wanted) > 1:
+            raise DicError(
+                f"{record.path}: one force ({record.channels[0]!r}), and a {test.load} test has one along x and one "
+                "along y: say which column is which, force_channel: {x: ..., y: ...}"
+            )
+        return wanted
+    known = [part for part in wanted if "xy"[part[0]] in record.axes]
+    if len(known) < len(wanted) and test.load != "general":
+        raise DicError(
+            f"{record.path}: no force along {'xy'[wanted[-1][0]]}, which a {test.load} test needs: force_channel"
+        )
+    return known
+
+
+def _offset(test: SpecimenTest, part: Component) -> float:
+    given = test.force_offset
+    return given.get("xy"[part[0]], 0.0) if isinstance(given, dict) else given
+
+
+def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series, chosen):
+    """(the pulls in the clock of the pictures as far as it is told, what is strange about it)."""
+    # The largest force tells the clock best.
+    part = max(pulls, key=lambda key: np.ptp(pulls[key].force))
+    pull, given = pulls[part], test.force_time_offset
+    if pull.image is not None:
+        return pulls, []
+    numbers, stretch = _until_the_last(series, working_stretch(series, test.load, *part), chosen)
+    time = pull.times(numbers)
+    offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
+    if given != "estimate":
+        return pulls, check_clock(offsets, float(np.median(np.diff(time))) if len(time) > 1 else 0.0, given is not None)
+    seconds, sentence = _estimated(pull, offsets)
+    clock = pull.clock.later(seconds)
+    return {key: replace(each, clock=clock) for key, each in pulls.items()}, [Finding(sentence, False)]
+
+
+def _estimated(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[float, str]:
+    """(estimated offset of the record's clock [s], the sentence that says so)."""
     offset = agreed_offset(offsets)
     if offset is None:
         told = " and ".join(map(str, offsets)) or "neither the crosshead nor the onset of the force tells it"
         raise DicError(f"{pull.record.path}: force_time_offset: estimate: {told}: give the offset in seconds")
-    return replace(pull, first_time=pull.first_time + offset.seconds), f"offset of the force record: {offset}"
+    return offset.seconds, f"offset of the force record: {offset}"
 
 
-def _within(pull: PullRecord, numbers) -> tuple[np.ndarray, np.ndarray]:
-    """(which frames the record reaches, their forces)."""
-    if pull.image is None:
-        time = pull.times(numbers)
-        known = (time >= pull.time[0]) & (time <= pull.time[-1])
-    else:
-        known = np.isin(numbers, pull.image)
-    return known, pull.forces(numbers[known]) if known.any() else np.empty(0)
+def _until_the_last(series: Series, course: Float[np.ndarray, " frame"], chosen):
+    """(numbers of the frames up to the last load step whose course is known, their course)."""
+    numbers = np.array([frame.number for frame in series.frames])
+    seen = (numbers <= chosen.max()) & np.isfinite(course)
+    return numbers[seen], course[seen]
+
+
+def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Finding]:
+    """What is strange about one force, against the course of the stretch with which it should grow."""
+    seen = (numbers <= chosen.max()) & np.isfinite(course)
+    at_steps = np.array([course[numbers == number][0] for number in chosen])
+    reached = pull.reached(numbers[seen])
+    forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)
+    findings = check_rise(course[seen][reached], forces)
+    findings += check_units(pull.time, pull.force)
+    findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
+    return findings + (check_rest(forces) if reached[0] else [])
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:

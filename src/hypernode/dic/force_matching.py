@@ -7,21 +7,21 @@ from jaxtyping import Float, Int
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import ForceRecord
+from hypernode.dic.frame_clock import FrameClock
 
 
 @dataclass(frozen=True)
 class PullRecord:
-    """The record of one pull, with the clock of its frames.
+    """The record of one force, with the clock of its frames.
 
     Attributes:
         record: what the machine wrote.
-        time: of every sample, increasing where samples of one time were averaged [s].
+        time: of every sample, increasing where samples of one time were averaged [s]; of a record without a clock, that
+            of its pictures.
         force: of every sample along the pull, without what it reads before the sheet pulls [N].
         displacement: of the crosshead [mm]; None where it is not recorded.
         image: number of the picture of every sample, NaN where there is none; None where it is not recorded.
-        first_number: of the first frame.
-        first_time: of that frame in the clock of the record [s].
-        frame_rate: frames in a second [1/s].
+        clock: when each frame was taken; None where nothing tells.
     """
 
     record: ForceRecord
@@ -29,18 +29,21 @@ class PullRecord:
     force: Float[np.ndarray, " sample"]
     displacement: Float[np.ndarray, " sample"] | None
     image: Float[np.ndarray, " sample"] | None
-    first_number: int
-    first_time: float
-    frame_rate: float
+    clock: FrameClock | None
 
     def times(self, numbers: Int[np.ndarray, " frame"]) -> Float[np.ndarray, " frame"]:
         """Time [s] of frames in the clock of the record.
 
         Raises:
-            DicError: the record numbers its pictures, and one of these is not among them.
+            DicError: the record numbers its pictures, and one of these is not among them; or nothing tells the time.
         """
         if self.image is None:
-            return self.first_time + (numbers - self.first_number) / self.frame_rate
+            if self.clock is None:
+                raise DicError(
+                    f"{self.record.path}: neither does it name the pictures, nor do the frames say their times: give "
+                    "frame_rate, the number of frames in a second"
+                )
+            return self.clock.at(numbers)
         return self._of_pictures(self.time, numbers)
 
     def forces(self, numbers: Int[np.ndarray, " frame"]) -> Float[np.ndarray, " frame"]:
@@ -62,6 +65,13 @@ class PullRecord:
             raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
         return np.interp(time, self.time, self.force)
 
+    def reached(self, numbers: Int[np.ndarray, " frame"]) -> np.ndarray:
+        """Which frames lie within the record."""
+        if self.image is not None:
+            return np.isin(numbers, self.image)
+        time = self.times(numbers)
+        return (time >= self.time[0]) & (time <= self.time[-1])
+
     def _of_pictures(self, values, numbers):
         """Means of the samples of each picture."""
         means = []
@@ -75,30 +85,27 @@ class PullRecord:
         return np.array(means)
 
 
-def pull_record(
-    record: ForceRecord, axis: str, force_offset: float, first_number: int, first_time: float, frame_rate: float
-) -> PullRecord:
-    """The part of a record that belongs to a pull.
+def pull_record(record: ForceRecord, axis: str, force_offset: float, clock: FrameClock | None) -> PullRecord:
+    """The part of a record that belongs to one force.
 
     Args:
         record: what the machine wrote.
-        axis: of the pull, "x" or "y".
+        axis: along which the force acts, "x" or "y".
         force_offset: what the record reads before the sheet pulls [N].
-        first_number: of the first frame.
-        first_time: of that frame in the clock of the record [s].
-        frame_rate: frames in a second [1/s].
+        clock: when each frame was taken; None where nothing tells.
     """
     column = record.column(axis)
     time, image = record.time, record.image
     if time is None:
-        time = first_time + (image - first_number) / frame_rate
+        # Neither the record nor the frames need know of time where pictures are numbered: it then counts them.
+        time = image if clock is None else clock.at(image)
     columns = [time, record.force[:, column] - force_offset]
     if record.displacement is not None:
         columns.append(record.displacement[:, column])
     if image is None:
         columns = _averaged(columns)
     displacement = columns[2] if len(columns) == 3 else None
-    return PullRecord(record, columns[0], columns[1], displacement, image, first_number, first_time, frame_rate)
+    return PullRecord(record, columns[0], columns[1], displacement, image, clock)
 
 
 def _averaged(columns: list[np.ndarray]) -> list[np.ndarray]:

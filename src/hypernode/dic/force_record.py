@@ -11,6 +11,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.force_dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
 from hypernode.dic.force_numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.force_table import Table, choose_cycle, read_table
+from hypernode.dic.series import Series
 
 #: The number of a picture in its file's name: Image_0007_0.tiff is the seventh picture of camera 0.
 _PICTURE = re.compile(r"(?P<number>\d+)(?:_\d)?\.[A-Za-z]+$")
@@ -22,7 +23,7 @@ class ForceRecord:
 
     Attributes:
         path: of the file.
-        dialect: how it is written.
+        dialect: how it is written; None where the frames hold the force themselves.
         time: of every sample, never decreasing [s]; None where only pictures are numbered.
         image: number of the picture that belongs to a sample, NaN where none does; None where none is given.
         axes: of the machine: ("pull",), or ("x", "y").
@@ -32,13 +33,18 @@ class ForceRecord:
     """
 
     path: Path
-    dialect: Dialect
+    dialect: Dialect | None
     time: Float[np.ndarray, " sample"] | None
     image: Float[np.ndarray, " sample"] | None
     axes: tuple[str, ...]
     force: Float[np.ndarray, "sample axis"]
     displacement: Float[np.ndarray, "sample axis"] | None
     channels: tuple[str, ...]
+
+    @property
+    def program(self) -> str:
+        """What wrote it, for messages."""
+        return f"{self.dialect.name} ({self.dialect.program})" if self.dialect else "the frames' own force"
 
     def column(self, axis: str) -> int:
         """Column of the force along "x" or "y": its own, or the only one."""
@@ -48,7 +54,7 @@ class ForceRecord:
 def read_force_record(
     path: Path,
     dialect: str | None = None,
-    channel: str | None = None,
+    channel: str | dict[str, str] | None = None,
     set_name: str | None = None,
     cycle: str | None = None,
 ) -> ForceRecord:
@@ -57,14 +63,15 @@ def read_force_record(
     Args:
         path: the file.
         dialect: name of the dialect, where it is not recognised.
-        channel: name of the column with the force, where it is not the dialect's own.
+        channel: name of the column with the force, or that along each axis, where it is not the dialect's own.
         set_name, cycle: of the rows that count, where a file holds several cycles.
 
     Raises:
         DicError: the file, its units or a line cannot be used, or time does not increase.
     """
     path = Path(path)
-    table = choose_cycle(read_table(path, dialect), set_name, cycle)
+    named = channel.values() if isinstance(channel, dict) else [channel] if channel else []
+    table = choose_cycle(read_table(path, dialect, tuple(named)), set_name, cycle)
     forces = _force_columns(table, channel)
     where = (table.find(table.dialect.time), table.find(table.dialect.image))
     columns = [(at, _scale(table, at, FORCE_UNITS, "force in (N)")) for at in forces.values()]
@@ -86,18 +93,42 @@ def read_force_record(
     )
 
 
-def _force_columns(table: Table, channel: str | None) -> dict[str, int]:
+def record_of_frames(folder: Path, series: Series) -> ForceRecord:
+    """The record that frames themselves hold, each with the force at its picture.
+
+    Raises:
+        DicError: one of them says none.
+    """
+    silent = [frame.number for frame in series.frames[1:] if frame.force is None]
+    if silent:
+        raise DicError(
+            f"{folder}: frame {silent[0]} says no force, as others do: give the machine's record, force_file"
+        )
+    frames = [frame for frame in series.frames if frame.force is not None]
+    numbers = np.array([frame.number for frame in frames], dtype=float)
+    force = np.array([[frame.force] for frame in frames])
+    return ForceRecord(folder, None, None, numbers, (PULL,), force, None, ("force of each frame",))
+
+
+def _channel(table: Table, channel: str) -> int:
+    """Column of a name that the configuration gives."""
+    full = [name.lower() for name in table.header]
+    wanted = channel.strip().lower()
+    at = [k for k, names in enumerate(zip(full, table.names, strict=True)) if wanted in names]
+    if len(at) != 1:
+        raise DicError(
+            f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {table.header}: "
+            "set force_channel to the whole name of one"
+        )
+    return at[0]
+
+
+def _force_columns(table: Table, channel: str | dict[str, str] | None) -> dict[str, int]:
     """Column of the force by axis."""
+    if isinstance(channel, dict):
+        return {axis: _channel(table, name) for axis, name in sorted(channel.items())}
     if channel is not None:
-        full = [name.lower() for name in table.header]
-        wanted = channel.strip().lower()
-        at = [k for k, names in enumerate(zip(full, table.names, strict=True)) if wanted in names]
-        if len(at) != 1:
-            raise DicError(
-                f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {table.header}: "
-                "set force_channel to the whole name of one"
-            )
-        return {PULL: at[0]}
+        return {PULL: _channel(table, channel)}
     if all(table.dialect.force.values()):
         return {axis: _unit_that_is_a_force(table, names) for axis, names in table.dialect.force.items()}
     at = [k for k, unit in enumerate(table.units) if unit in FORCE_UNITS]

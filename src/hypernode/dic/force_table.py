@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -31,12 +32,13 @@ class Table:
         return next((self.names.index(name) for name in names if name in self.names), None)
 
 
-def read_table(path: Path, wanted: str | None) -> Table:
+def read_table(path: Path, wanted: str | None, channels: Sequence[str] = ()) -> Table:
     """The file in the first dialect whose header it has.
 
     Args:
         path: the file.
         wanted: name of the dialect, where it is known.
+        channels: names of the columns with the force, where they are not the dialect's own.
 
     Raises:
         DicError: the file cannot be read, or no dialect has its header.
@@ -51,7 +53,7 @@ def read_table(path: Path, wanted: str | None) -> Table:
         for delimiter in each.delimiters:
             rows = _cut(path, text, delimiter)
             first = first or rows
-            table = _in_dialect(path, rows, each)
+            table = _in_dialect(path, rows, each, channels)
             if table is not None:
                 return table
     shown = (first or [[]])[0] if first else []
@@ -70,11 +72,12 @@ def _cut(path: Path, text: str, delimiter: str) -> list[list[str]]:
         raise DicError(f"{path}: cannot be read: {error}") from None
 
 
-def _in_dialect(path: Path, rows: list[list[str]], dialect: Dialect) -> Table | None:
+def _in_dialect(path: Path, rows: list[list[str]], dialect: Dialect, channels: Sequence[str]) -> Table | None:
     """The table below the first line that is this dialect's header; None where there is none."""
     if dialect.begins and not (rows and rows[0] and rows[0][0].strip().lower().startswith(dialect.begins)):
         return None
-    wanted = [names for names in (dialect.time, *dialect.force.values()) if names]
+    forces = [] if channels else dialect.force.values()
+    wanted = [names for names in (dialect.time, *forces) if names]
     wanted += [(name,) for name in (*dialect.also, *(dialect.cycles or ()))]
     wanted += [dialect.image] if dialect.image else []
     for at, row in enumerate(rows[: dialect.preamble + 1]):

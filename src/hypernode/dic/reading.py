@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernode.config.specimens import Specimen
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_subsets
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
@@ -25,22 +25,22 @@ MAX_OUT_OF_PLANE = 0.05
 _RANGE = (1.0, 99.0)
 
 
-def read_specimen(specimen: Specimen) -> Series:
-    """The series of a specimen, with what was decided about it in the log.
+def read_test(test: SpecimenTest) -> Series:
+    """The series of a test, with what was decided about it in the log.
 
     Raises:
         DicError: as :func:`read_series`.
     """
     series = read_series(
-        Path(specimen.folder),
-        specimen.frames,
-        dialect_of(specimen),
-        y_points=specimen.y_points,
-        allow_out_of_plane=specimen.allow_out_of_plane,
+        Path(test.folder),
+        test.frames,
+        dialect_of(test),
+        y_points=test.y_points,
+        allow_out_of_plane=test.allow_out_of_plane,
     )
-    if series.unit == "mm" and specimen.pixel_size is not None:
-        serves = "is ignored" if specimen.noise_mm else "serves for the noise alone"
-        say("import", specimen.folder, f"the files are in mm: pixel_size {serves}")
+    if series.unit == "mm" and test.pixel_size is not None:
+        serves = "serves for the noise alone" if test.noise_pixels else "is ignored"
+        say("import", test.folder, f"the files are in mm: pixel_size {serves}")
     return series
 
 

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from hypernode.config.specimens import Specimen
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.data.lost import along
 from hypernode.dic.force_matching import PullRecord
-from hypernode.dic.frames import AXIS, mean_stretch
+from hypernode.dic.frames import mean_stretch
 from hypernode.dic.series import Series
+from hypernode.mechanics.loads import RESULTANTS, tensile_axis
 from hypernode.mechanics.relaxation import ELASTIC, Relaxation, fit_relaxation
 from hypernode.progress import say
 
@@ -16,15 +17,28 @@ LEAST_FRAMES = 4
 LEAST_SAMPLES = 20
 
 
-def relaxation_of(specimen: Specimen, series: Series, used: Series, pull: PullRecord) -> Relaxation:
+def relaxation_of(test: SpecimenTest, series: Series, used: Series, pulls: dict) -> Relaxation:
     """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
 
     Between them, and beyond the last until the last picture, the crosshead tells how the stretch goes on, where the
     record has it. The displacements of frames that are not used stay unseen: they may serve as a test.
+
+    Args:
+        test: what the configuration says.
+        series, used: every frame that was read, and the reference with those used.
+        pulls: records of the forces by component.
     """
-    if not specimen.relaxation:
+    if not test.relaxation or not pulls:
         return ELASTIC
-    stretch = mean_stretch(used, AXIS[specimen.load])
+    if tensile_axis(test.load) is None:
+        # The elastic curve is that of uniaxial tension.
+        say("import", test.folder, f"what of the force of a {test.load} test is a matter of time is not told")
+        return ELASTIC
+    pull: PullRecord = pulls[RESULTANTS[test.load][0]]
+    if pull.clock is None and pull.record.time is None:
+        say("import", test.folder, "nothing tells the times of the frames: the sheet counts as elastic")
+        return ELASTIC
+    stretch = mean_stretch(used, test.load)
     known = np.isfinite(stretch) & (stretch > 0.0)
     observed = pull.times(np.array([frame.number for frame in used.frames]))[known]
     last = pull.times(np.array([max(frame.number for frame in series.frames)]))[0]
@@ -35,7 +49,7 @@ def relaxation_of(specimen: Specimen, series: Series, used: Series, pull: PullRe
             f"from elasticity (more than {LEAST_FRAMES} and at least {LEAST_SAMPLES}): "
             "the sheet counts as elastic"
         )
-        say("import", specimen.folder, why)
+        say("import", test.folder, why)
         return ELASTIC
     return fit_relaxation(time, course, np.interp(time, pull.time, pull.force), observed[1:])
 

@@ -1,141 +1,132 @@
-"""A real test: frames on one grid and a force record, as the measurement that an identification starts from."""
+"""A real sheet and its tests, as the measurement that an identification starts from."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from hypernode.config.specimens import Specimen
 from hypernode.data.lost import filled
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_import import import_forces
-from hypernode.dic.frames import AXIS, mean_stretch, select_frames, trimmed
-from hypernode.dic.reading import read_specimen
-from hypernode.dic.relaxing import relaxation_of
-from hypernode.dic.series import Series
+from hypernode.dic.force_level import assumed_force
+from hypernode.dic.load_case import LoadCase, import_load_case
+from hypernode.dic.placing import on_one_grid
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
-from hypernode.mechanics.loads import CONSTRAINED
-from hypernode.mechanics.relaxation import Relaxation
+from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS
 
 #: Share of a frame's points that may be lost: beyond it, more is guessed than measured.
 MOST_LOST = 0.5
-
-
-def _edges(specimen: Specimen, mesh: Mesh, force: np.ndarray):
-    """(resultant [N], whether the displacement is prescribed) of each step, edge and component.
-
-    The load cell sees the whole width; the grid that is left after dropping the edge ring is
-    narrower, so its resultant is the share of its width.
-    """
-    axis = AXIS[specimen.load]
-    across = 1 - axis
-    share = min(float(mesh.size[across]) / (specimen.width, specimen.height)[across], 1.0)
-    edge_force = np.full((len(force), len(EDGE_NAMES), 2), np.nan)
-    constrained = np.zeros(edge_force.shape)
-    for edge, component in CONSTRAINED[specimen.load]:
-        constrained[:, EDGE_NAMES.index(edge), component] = 1.0
-    low, high = (("left", "right"), ("bottom", "top"))[axis]
-    edge_force[:, EDGE_NAMES.index(high), axis] = force * share
-    edge_force[:, EDGE_NAMES.index(low), axis] = -force * share
-    return edge_force, constrained
+#: Edges with the lower and the larger coordinate, by the axis of their normal.
+_OPPOSITE = (("left", "right"), ("bottom", "top"))
 
 
 @dataclass(frozen=True)
-class ImportedTest:
-    """A real test on the mesh of its points, in mm, N and s, y upward.
+class ImportedSpecimen:
+    """The tests of a sheet on one mesh, in mm, N and s, y upward; steps of several tests follow one another.
 
     Attributes:
         mesh: cells between the points of the grid, but for a hole. A lost point is missing data, and no hole.
-        numbers: of the frames used.
-        time: of each since the start of the record (step,).
-        u: displacement since the reference (step, node, 2), NaN where a point was lost.
-        H: mean displacement gradient (step, 2, 2).
-        axis: along which the sheet is pulled.
-        edge_force, constrained: resultant and whether the displacement is prescribed, by step, edge and component.
-        relaxation: what of the force is a matter of time.
-        field: corners of the whole measured field (2, 2), before the outermost points were dropped.
-        lost_points: how many points of the mesh are lost in a frame used.
-        files: every file that was read.
-        force_findings: sentences on what is strange about the forces.
+        cases: the tests as they were read.
+        load_case: test of each step (step,).
+        u: displacement since the reference, NaN where a point was lost.
+        H: mean displacement gradient.
+        edge_force: resultant of each edge that is known [N].
+        constrained: 1 where the displacement is prescribed, by step, edge and component.
+        field: corners of the first test's whole measured field.
     """
 
     mesh: Mesh
-    numbers: np.ndarray
-    time: np.ndarray
-    u: np.ndarray
-    H: np.ndarray
-    axis: int
-    edge_force: np.ndarray
-    constrained: np.ndarray
-    relaxation: Relaxation
-    field: np.ndarray
-    lost_points: int
-    files: tuple[Path, ...]
-    force_findings: tuple[str, ...]
+    cases: list[LoadCase]
+    load_case: Int[np.ndarray, " step"]
+    u: Float[np.ndarray, "step node 2"]
+    H: Float[np.ndarray, "step 2 2"]
+    edge_force: Float[np.ndarray, "step edge 2"]
+    constrained: Float[np.ndarray, "step edge 2"]
+    field: Float[np.ndarray, "2 2"]
+
+    @property
+    def stretch(self) -> Float[np.ndarray, " step"]:
+        """Mean stretch of each step along its pull, or 1 + shear; of several directions the largest."""
+        largest = [
+            np.max([self.H[self.load_case == k, i, J] for i, J in RESULTANTS[case.test.load]], axis=0)
+            for k, case in enumerate(self.cases)
+        ]
+        return 1.0 + np.concatenate(largest)
+
+    @property
+    def forces_known(self) -> bool:
+        """Whether any force was recorded."""
+        return any(case.force for case in self.cases)
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of a measured displacement [mm]."""
+        return max(case.noise for case in self.cases)
+
+    @property
+    def lost_points(self) -> int:
+        """How many points of the mesh are lost in a frame used."""
+        return int(np.isnan(self.u).any(axis=(0, 2)).sum())
+
+    @property
+    def files(self) -> list[Path]:
+        """Every file that was read."""
+        return list(dict.fromkeys(path for case in self.cases for path in case.files))
 
 
-def import_test(specimen: Specimen, hole: Callable | None = None) -> ImportedTest:
-    """Read a specimen's frames and force record, each frame's force by its picture or its time.
+def import_specimen(specimen: Specimen, hole: Callable | None = None) -> ImportedSpecimen:
+    """Read a specimen's tests onto one grid.
 
     Args:
+        specimen: what the configuration says.
         hole: where there is no material: more than a half at positions (point, 2) in the unit square, which is
             stretched over the measured field.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    folder = Path(specimen.folder)
-    full = read_specimen(specimen)
-    mm = full.millimetres(specimen.pixel_size)
-    series = trimmed(full, specimen.edge_ring)
-    numbers = select_frames(specimen, series)
-    axis = AXIS[specimen.load]
-    read = np.array([frame.number for frame in series.frames])
-    forces = import_forces(specimen, axis, read, mean_stretch(series, axis), numbers)
-    used = Series(series.x, series.y, [series.frames[0]] + [f for f in series.frames if f.number in numbers])
-    field = np.array([[0.0, 0.0], [full.x[-1] * mm, full.y[-1] * mm]])
-    mesh, u = _measured(series, numbers, mm, field, hole)
-    edge_force, constrained = _edges(specimen, mesh, forces.force)
-    return ImportedTest(
+    cases = [import_load_case(specimen, test) for test in specimen.all_tests]
+    x, y, fields = on_one_grid(cases)
+    field = np.stack([np.zeros(2), cases[0].size])
+    mesh = _mesh(x, y, field, hole)
+    u = [displacement.reshape(len(displacement), -1, 2)[:, mesh.places] for displacement in fields]
+    H = [_mean_H(case, mesh, each) for case, each in zip(cases, u, strict=True)]
+    edge_force, constrained = (
+        np.concatenate(each) for each in zip(*(_edges(specimen, case, mesh) for case in cases), strict=True)
+    )
+    if not any(case.force for case in cases):
+        step, axis, force = assumed_force(np.concatenate(H), specimen.thickness * mesh.size[::-1])
+        edge_force[step, 2 * axis : 2 * axis + 2, axis] = -force, force
+    steps = [len(case.numbers) for case in cases]
+    return ImportedSpecimen(
         mesh,
-        numbers,
-        forces.time,
-        u,
-        _mean_H(folder, mesh, u, numbers),
-        axis,
+        cases,
+        np.repeat(np.arange(len(cases)), steps),
+        np.concatenate(u),
+        np.concatenate(H),
         edge_force,
         constrained,
-        relaxation_of(specimen, series, used, forces.pull),
         field,
-        int(np.isnan(u).any(axis=(0, 2)).sum()),
-        (forces.pull.record.path, *full.files),
-        forces.findings,
     )
 
 
-def _measured(series: Series, numbers, mm: float, field, hole: Callable | None):
-    """(mesh of the points, their displacement since the reference, NaN where they were lost)."""
-    x, y = series.x * mm, series.y * mm
+def _mesh(x, y, field, hole: Callable | None) -> Mesh:
     keep = None
     if hole is not None:
         centres = np.stack(np.meshgrid(0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])), axis=-1).reshape(-1, 2)
         keep = hole((centres - field[0]) / (field[1] - field[0])) <= 0.5
         if not keep.any():
             raise DicError("the hole leaves no cell of the grid")
-    mesh = rectilinear(x, y, keep)
-    grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    place = _places(grid, mesh.nodes)
-    by_number = {f.number: f.displacement for f in series.frames}
-    u = np.stack([by_number[n].reshape(-1, 2)[place] * mm for n in numbers])
-    reference = by_number[series.frames[0].number].reshape(-1, 2)[place] * mm
-    return mesh, u - np.nan_to_num(reference)
+    return rectilinear(x, y, keep)
 
 
-def _mean_H(folder: Path, mesh: Mesh, u, numbers) -> np.ndarray:
-    """Mean displacement gradient of every step, where no frame folds the sheet over."""
-    for number, lost in zip(numbers, np.isnan(u).any(axis=2), strict=True):
+def _mean_H(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
+    """Mean displacement gradient of every step of a test, where no frame folds the sheet over."""
+    folder = case.test.folder
+    for number, lost in zip(case.numbers, np.isnan(u).any(axis=2), strict=True):
         if lost.mean() > MOST_LOST:
             raise DicError(
                 f"{folder}: frame {number} has lost {lost.sum()} of {len(lost)} points, too many to tell what is "
@@ -145,13 +136,24 @@ def _mean_H(folder: Path, mesh: Mesh, u, numbers) -> np.ndarray:
     folded = (np.linalg.det(F) <= 0).any(axis=1)
     if folded.any():
         raise DicError(
-            f"{folder}: frame {numbers[int(np.argmax(folded))]} folds the sheet over (det F is not positive): "
+            f"{folder}: frame {case.numbers[int(np.argmax(folded))]} folds the sheet over (det F is not positive): "
             "leave it out, or export it again"
         )
     return np.einsum("scij,c->sij", F, mesh.areas / mesh.areas.sum()) - np.eye(2)
 
 
-def _places(grid, nodes):
-    """Index of each mesh node in the full grid; both hold the same floating-point coordinates."""
-    order = {tuple(point): index for index, point in enumerate(map(tuple, grid))}
-    return np.array([order[tuple(node)] for node in nodes])
+def _edges(specimen: Specimen, case: LoadCase, mesh: Mesh):
+    """(resultant [N], whether the displacement is prescribed) of each step, edge and component.
+
+    The load cell sees the whole section; the grid that is left after dropping the edge ring is narrower, so its
+    resultant is the share of its width.
+    """
+    edge_force = np.full((len(case.numbers), len(EDGE_NAMES), 2), np.nan)
+    constrained = np.zeros(edge_force.shape)
+    for edge, component in CONSTRAINED[case.test.load]:
+        constrained[:, EDGE_NAMES.index(edge), component] = 1.0
+    for (i, J), force in case.force.items():
+        share = min(float(mesh.size[1 - J]) / (specimen.width, specimen.height)[1 - J], 1.0)
+        low, high = (EDGE_NAMES.index(edge) for edge in _OPPOSITE[J])
+        edge_force[:, high, i], edge_force[:, low, i] = force * share, -force * share
+    return edge_force, constrained

@@ -68,7 +68,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
-            _limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], force),
+            _forces(summary, measurement, force),
             _law(constrained, settings),
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
@@ -126,6 +126,13 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
     by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
     return _limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _forces(summary, measurement, threshold: Threshold) -> Criterion:
+    if measurement.attrs["forces"] == "assumed":
+        sentence = "No force was recorded: every stress is known up to one factor, and its level is a convention."
+        return Criterion("forces", Level.WARNED, sentence)
+    return _limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
 
 
 def _law(constrained, settings: Settings) -> Criterion:

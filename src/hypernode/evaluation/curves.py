@@ -6,6 +6,7 @@ from jaxtyping import Float
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.probes import equibiaxial_stress, uniaxial_stress
 from hypernode.material.field import Material
+from hypernode.mechanics.loads import tensile_axis
 
 #: Samples along a curve.
 CURVE_POINTS = 21
@@ -18,11 +19,12 @@ def curves(
     material: Material, X: Float[np.ndarray, "location 2"], stretches: Float[np.ndarray, " stretch"], kind: str
 ) -> Float[np.ndarray, "location stretch 2"]:
     """Normal stresses P_xX and P_yY along the stretch of a kind of load; NaN as in :func:`uniaxial_stress`."""
-    if kind in ("equibiaxial", "biaxial", "shear"):
+    axis = tensile_axis(kind)
+    if axis is None:
         P = equibiaxial_stress(material, X, stretches)
         found = np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1)
     else:
-        found = uniaxial_stress(material, X, stretches, 0 if kind.endswith("x") else 1)
+        found = uniaxial_stress(material, X, stretches, axis)
     return np.moveaxis(found, 0, 1)
 
 

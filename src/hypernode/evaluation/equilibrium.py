@@ -79,8 +79,10 @@ def edge_force_error(
     prescribed: Bool[np.ndarray, "step edge 2"],
 ) -> Float[np.ndarray, " step"]:
     """Largest error of the resultants that are measured on prescribed edges, over the step's largest resultant."""
-    relative = np.abs(found - measured) / np.nanmax(np.abs(measured), axis=(1, 2), keepdims=True)
-    return np.max(relative, axis=(1, 2), where=np.isfinite(measured) & prescribed, initial=0.0)
+    known = np.isfinite(measured) & prescribed
+    largest = np.nan_to_num(np.abs(measured)).max(axis=(1, 2), keepdims=True)
+    relative = np.divide(np.abs(found - measured), largest, out=np.zeros_like(found), where=known)
+    return np.max(relative, axis=(1, 2), where=known, initial=0.0)
 
 
 def score_equilibrium(

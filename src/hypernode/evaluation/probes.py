@@ -5,6 +5,7 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.material.field import Material
+from hypernode.mechanics.loads import tensile_axis
 
 #: Difference over sum of the principal stresses above which a material has a fibre direction to find.
 SMALLEST_ANISOTROPY = 0.05
@@ -58,10 +59,10 @@ def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.nda
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
     """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
     stress in uniaxial tension for uniaxial tests."""
-    if kind in ("equibiaxial", "biaxial", "shear"):
+    axis = tensile_axis(kind)
+    if axis is None:
         P = equibiaxial_stress(material, X, [stretch])[0]
         return P[:, 0, 0] + P[:, 1, 1]
-    axis = 0 if kind.endswith("x") else 1
     return uniaxial_stress(material, X, [stretch], axis)[0, :, axis]
 
 

@@ -11,6 +11,7 @@ from hypernode.evaluation.scores import contrast, relative_error
 from hypernode.fem.mesh import Mesh
 from hypernode.material.field import Material
 from hypernode.material.files import nearest_cell
+from hypernode.mechanics.loads import tensile_axis
 from hypernode.mechanics.modes import MODES
 
 #: Points along each side of a measured cell at which the truth is averaged.
@@ -19,9 +20,10 @@ SAMPLES = 10
 
 def observed_mode(kind: str) -> int:
     """Index in :data:`MODES` of the homogeneous deformation that is closest to a kind of load."""
-    if kind in ("equibiaxial", "biaxial"):
-        return MODES.index("equibiaxial")
-    return MODES.index("strip_x" if kind.endswith("x") else "strip_y")
+    axis = tensile_axis(kind)
+    if axis is not None:
+        return MODES.index(("strip_x", "strip_y")[axis])
+    return MODES.index("shear" if kind == "shear" else "equibiaxial")
 
 
 def interface_band(mesh: Mesh, inside: Bool[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:

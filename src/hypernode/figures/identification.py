@@ -24,6 +24,7 @@ from hypernode.figures.style import (
     unit_label,
 )
 from hypernode.material.files import material_of
+from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import units_of
 
 #: Resultants below this share of the largest are not drawn.
@@ -69,7 +70,7 @@ def _forces(axes, data, units):
 def _curves(axes, data, units):
     """Panel f: stress against stretch at a point of the matrix and one of the inclusion."""
     kind, stretch, found = data.attrs["load"], data["curve_stretch"].values, data["curve_identified"].values
-    component = 0 if is_biaxial(kind) or kind.endswith("x") else 1
+    component = tensile_axis(kind) or 0
     for index, (name, colour) in enumerate((("matrix", MATRIX), ("inclusion", INCLUSION))):
         axes.plot(stretch, found[index, :, component], color=colour, label=f"{name}, identified")
         if "curve_true" in data:
@@ -119,7 +120,8 @@ def draw(data, settings: dict):
     shown = draw_field(a, evaluation, strain, shared_norm(strain), STRAIN_MAP)
     colour_bar(figure, a, shown, "max. principal strain [-]")
     P = evaluation["P_field"].values[step]
-    normal = np.trace(P, axis1=1, axis2=2) if is_biaxial(kind) else P[:, 0, 0] if kind.endswith("x") else P[:, 1, 1]
+    axis = tensile_axis(kind)
+    normal = np.trace(P, axis1=1, axis2=2) if axis is None else P[:, axis, axis]
     shown = draw_field(b, evaluation, normal, shared_norm(np.percentile(normal, USUAL)))
     colour_bar(figure, b, shown, label)
     _materials(figure, c, d, evaluation, truth, label)

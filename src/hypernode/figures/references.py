@@ -7,6 +7,7 @@ import numpy as np
 
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.figures.style import INCLUSION, MATRIX, SECOND, force_label, from_zero
+from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import units_of
 from hypernode.tables.columns import significant
 
@@ -27,7 +28,7 @@ def draw(data, settings: dict):
     """
     file = data["references"]
     tests, summary = (json.loads(file.attrs[key]) for key in ("load_cases", "summary"))
-    axis = 0 if file.attrs["load"].endswith("x") else 1
+    axis = tensile_axis(file.attrs["load"]) or 0
     edge = EDGE_NAMES.index(("right", "top")[axis])
     figure, axes = plt.subplots(figsize=(3.6, 3.7), layout="constrained")
     for index, label in enumerate(tests):

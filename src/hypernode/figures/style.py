@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
+from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import write_bytes_atomically
 
 #: Okabe-Ito colours, told apart with any colour vision.
@@ -98,12 +99,12 @@ def force_label(units: dict[str, str]) -> str:
 
 def is_biaxial(kind: str) -> bool:
     """Whether a kind of load is judged under equibiaxial stretch rather than uniaxial stress."""
-    return kind in ("equibiaxial", "biaxial", "shear")
+    return tensile_axis(kind) is None
 
 
 def indicator_label(kind: str, units: dict[str, str]) -> str:
     """The stress that stands for a material: the trace under biaxial loads, the axial one otherwise."""
-    name = "tr $P$" if is_biaxial(kind) else "$P_{xX}$" if kind.endswith("x") else "$P_{yY}$"
+    name = {None: "tr $P$", 0: "$P_{xX}$", 1: "$P_{yY}$"}[tensile_axis(kind)]
     return name + unit_label(units["stress"])
 
 

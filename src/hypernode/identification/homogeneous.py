@@ -81,7 +81,9 @@ def fit_homogeneous(
         found = fit(strategy.strong_ridge, slice(None), straight)
     cases = [loading.load_case == k for k in range(loading.load_case.max() + 1)]
     fits = [(fit(strategy.weak_ridge, steps, straight), steps) for steps in cases]
-    closest = [np.sqrt(np.mean(measured(value(params, straight), steps) ** 2)) for params, steps in fits]
+    missed = [measured(value(params, straight), steps) for params, steps in fits]
+    # A load case without forces misses none.
+    closest = [np.sqrt(np.mean(each**2)) if len(each) else 0.0 for each in missed]
     return Homogeneous(found, np.array(closest))
 
 

@@ -153,7 +153,7 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
     """
     cut, force = is_cut_out(measurement), stress_resultants(measurement)
     constrained = measurement["edge_constrained"].values > 0
-    largest = np.nanmax(np.abs(force), axis=(1, 2))
+    largest = np.nan_to_num(np.abs(force)).max(axis=(1, 2))
     forces = []
     for step in range(len(force)):
         for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):

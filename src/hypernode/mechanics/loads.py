@@ -15,7 +15,9 @@ _ROLLERS_X = (("left", 0), ("right", 0))
 _ROLLERS_Y = (("bottom", 1), ("top", 1))
 _CLAMPS_Y = (("bottom", 0), ("bottom", 1), ("top", 0), ("top", 1))
 _CLAMPS_X = (("left", 0), ("left", 1), ("right", 0), ("right", 1))
-#: Kind of load -> constrained (edge, component) pairs; every other pair is free of traction.
+_XX, _YY, _XY = (0, 0), (1, 1), (0, 1)
+#: Kind of load -> constrained (edge, component) pairs; every other pair is free of traction. In a
+#: ``general`` test the outline moves as it was measured, and nothing is free.
 CONSTRAINED = {
     "equibiaxial": _ROLLERS_X + _ROLLERS_Y,
     "biaxial": _ROLLERS_X + _ROLLERS_Y,
@@ -24,7 +26,28 @@ CONSTRAINED = {
     "clamped_x": _CLAMPS_X,
     "clamped_y": _CLAMPS_Y,
     "shear": _CLAMPS_Y,
+    "biaxial_clamped": _CLAMPS_X + _CLAMPS_Y,
+    "general": _CLAMPS_X + _CLAMPS_Y,
 }
+#: Kind of load -> components (i, J) of the resultants that a testing machine measures: the force along i across the
+#: sections whose normal is J. Those of ``general`` are as many as the machine has channels.
+RESULTANTS = {
+    "equibiaxial": (_XX, _YY),
+    "biaxial": (_XX, _YY),
+    "uniaxial_x": (_XX,),
+    "uniaxial_y": (_YY,),
+    "clamped_x": (_XX,),
+    "clamped_y": (_YY,),
+    "shear": (_XY,),
+    "biaxial_clamped": (_XX, _YY),
+    "general": (_XX, _YY),
+}
+
+
+def tensile_axis(kind: str) -> int | None:
+    """Axis along which alone a load pulls, or None of those that do not pull along one."""
+    axes = {i for i, J in RESULTANTS[kind] if i == J}
+    return axes.pop() if len(axes) == 1 else None
 
 
 @dataclass(frozen=True)
@@ -58,8 +81,8 @@ def make_load(kind: str, stretches: Sequence) -> Load:
     if kind == "shear":
         H[:, 0, 1] = stretches - 1.0
         return Load(kind, H)
-    if kind in ("equibiaxial", "uniaxial_x", "clamped_x"):
+    if kind in ("equibiaxial", "biaxial_clamped", "uniaxial_x", "clamped_x"):
         H[:, 0, 0] = stretches - 1.0
-    if kind in ("equibiaxial", "uniaxial_y", "clamped_y"):
+    if kind in ("equibiaxial", "biaxial_clamped", "uniaxial_y", "clamped_y"):
         H[:, 1, 1] = stretches - 1.0
     return Load(kind, H)

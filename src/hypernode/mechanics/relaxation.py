@@ -65,7 +65,15 @@ class Relaxation:
 
     def at(self, time: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
         """Recorded force over that of an elastic sheet as stiff as this one is at the pace of the test."""
+        if len(self.times) == 1:
+            return np.ones(len(time))
         return np.interp(time, self.times, self.factor) / self.pace
+
+    def sampled(self) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
+        """(times, factor) at as many samples whatever the record, so that those of several tests are one array."""
+        if len(self.times) == SAMPLES:
+            return self.times, self.factor
+        return np.linspace(self.times[0], self.times[0] + 1.0, SAMPLES), np.ones(SAMPLES)
 
 
 #: A sheet of whose record nothing is a matter of time, as far as one can or wants to know.

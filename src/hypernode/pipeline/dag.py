@@ -11,9 +11,12 @@ def present_cases(config: Config) -> tuple[list[str], list[str]]:
     present, absent = [], []
     for name, case in config.cases.items():
         specimen = config.specimens.get(case.specimen) if case.specimen else None
-        if specimen is not None and not Path(specimen.folder).is_dir():
+        missing = (
+            next((t.folder for t in specimen.all_tests if not Path(t.folder).is_dir()), None) if specimen else None
+        )
+        if missing is not None:
             source = f"; its data are published in {specimen.published_at}" if specimen.published_at else ""
-            absent.append(f"Leaving out {name}: there is no folder {specimen.folder}{source}")
+            absent.append(f"Leaving out {name}: there is no folder {missing}{source}")
         else:
             present.append(name)
     return present, absent

@@ -84,7 +84,7 @@ def case_size(config: Config, name: str | None) -> Size:
     case = config.cases[name]
     if case.specimen:
         specimen = config.specimens[case.specimen]
-        steps = len(specimen.frames or specimen.stretches or range(specimen.load_steps))
+        steps = sum(test.steps for test in specimen.all_tests)
         return Size(_lines(specimen_files(config, name)[0]), steps)
     grids = [case.cells, case.camera.cells] if case.camera else [case.cells]
     return Size(max(nx * ny for nx, ny in grids), sum(len(config.loads[load].stretches) for load in case.loads))

@@ -15,14 +15,13 @@ def code_params(scripts: Path) -> dict[str, str]:
 
 
 def specimen_files(config: Config, name: str) -> list[str]:
-    """Raw files of a specimen: every frame and the force record."""
+    """Raw files of a specimen: every frame and the force record of each of its tests."""
     specimen = config.specimens[config.cases[name].specimen]
-    folder = Path(specimen.folder)
     try:
-        frames = raw_files(specimen)
+        files = [str(path) for test in specimen.all_tests for path in raw_files(test)]
     except DicError as error:
         raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
-    return [*map(str, frames), str(folder / specimen.force_file)]
+    return list(dict.fromkeys(files))
 
 
 def image_files(config: Config, name: str) -> list[str]:

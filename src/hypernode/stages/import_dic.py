@@ -1,9 +1,9 @@
-"""Stage 2 for a real test: a folder of frames and a force record become a measurement file."""
+"""Stage 2 for a real sheet: folders of frames and force records become a measurement file."""
 
 import numpy as np
 
 from hypernode.config.model import Config
-from hypernode.dic.specimen import import_test
+from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 from hypernode.synthetic.geometry import make_shape
 
@@ -16,42 +16,47 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """
     case = config.cases[name]
     specimen = config.specimens[case.specimen]
-    test = import_test(specimen, make_shape(config.geometries[case.hole]) if case.hole else None)
-    mesh, relaxation = test.mesh, test.relaxation
+    sheet = import_specimen(specimen, make_shape(config.geometries[case.hole]) if case.hole else None)
     write(
         output,
-        {
-            "X": mesh.nodes,
-            "cells": mesh.cells,
-            "corners": np.stack([mesh.lower, mesh.upper]),
-            "load_case": np.zeros(len(test.numbers), dtype=np.int64),
-            "stretch": 1.0 + test.H[:, test.axis, test.axis],
-            "H": test.H,
-            "time": test.time,
-            "edge_force": test.edge_force,
-            "relaxation": relaxation.at(test.time),
-            "relaxation_time": relaxation.times,
-            "relaxation_factor": relaxation.factor,
-            "edge_constrained": test.constrained,
-            "u_measured": test.u[None],
-        },
+        _variables(sheet),
         f"measurement of specimen {specimen.source_title or name}",
         {
             **attributes,
             "units": EXPERIMENT_UNITS,
-            "load_cases": [specimen.load],
-            # Correlation windows never reach the edge of the sheet.
-            "outline": "cut",
+            "load_cases": [each.test.load for each in sheet.cases],
+            "outline": specimen.outline,
             "thickness": specimen.thickness,
-            "displacement_noise": specimen.displacement_noise,
-            "force_uncertainty": specimen.force_uncertainty,
+            "displacement_noise": sheet.noise,
+            "force_uncertainty": max(each.test.force_uncertainty for each in sheet.cases),
             "correlation_window": specimen.correlation_window,
-            "frames": test.numbers.tolist(),
-            "elastic_terms": list(relaxation.terms),
-            "pace": relaxation.pace,
-            "field_corners": test.field.tolist(),
-            "lost_points": test.lost_points,
-            "force_findings": list(test.force_findings),
-            "raw_inputs": {str(path): sha256(path) for path in test.files},
+            "frames": [each.numbers.tolist() for each in sheet.cases],
+            "elastic_terms": [list(each.relaxation.terms) for each in sheet.cases],
+            "pace": [each.relaxation.pace for each in sheet.cases],
+            "field_corners": sheet.field.tolist(),
+            "lost_points": sheet.lost_points,
+            "forces": "measured" if sheet.forces_known else "assumed",
+            "force_findings": [sentence for each in sheet.cases for sentence in each.findings],
+            "raw_inputs": {str(path): sha256(path) for path in sheet.files},
         },
     )
+
+
+def _variables(sheet: ImportedSpecimen) -> dict:
+    mesh, courses = sheet.mesh, [each.relaxation.sampled() for each in sheet.cases]
+    times, factors = (np.stack([course[k] for course in courses]) for k in (0, 1))
+    return {
+        "X": mesh.nodes,
+        "cells": mesh.cells,
+        "corners": np.stack([mesh.lower, mesh.upper]),
+        "load_case": sheet.load_case,
+        "stretch": sheet.stretch,
+        "H": sheet.H,
+        "time": np.concatenate([each.time for each in sheet.cases]),
+        "edge_force": sheet.edge_force,
+        "relaxation": np.concatenate([each.relaxation.at(each.time) for each in sheet.cases]),
+        "relaxation_time": times,
+        "relaxation_factor": factors,
+        "edge_constrained": sheet.constrained,
+        "u_measured": sheet.u[None],
+    }

@@ -31,6 +31,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             **carried,
             "units": units_of(forward),
             "outline": "edge",
+            "forces": "measured",
             "force_uncertainty": 0.0,
             "displacement_noise": noise.sigma if noise else 0.0,
             "correlation_window": case.camera.window if case.camera else 0.0,

@@ -6,12 +6,13 @@ import xarray as xr
 
 #: Version of the names and dimensions below. A file of another version is refused: a variable of the same name may mean
 #: something else in it.
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 #: Variables that only a synthetic case has, because only there the truth is known.
 TRUTH = ("u_truth", "F_truth", "phase")
 #: Dimension -> what one index along it is.
 DIMS = {
     "load_step": "one equilibrium state; the steps of several tests follow one another",
+    "test": "one test of a specimen, in the order of its load cases",
     "repeat": "one measurement of the same test",
     "record_sample": "one of equal times of the force record",
     "node": "a grid point where displacement is measured or computed",
@@ -60,16 +61,16 @@ VARIABLES = {
     "load_case": Variable(("load_step",), "1", "load case of each step"),
     "stretch": Variable(("load_step",), "1", "edge stretch that names the step"),
     "H": Variable(("load_step", "i", "J"), "1", "displacement gradient of the bounding rectangle"),
-    "time": Variable(("load_step",), "s", "time since the start of the test"),
+    "time": Variable(("load_step",), "s", "time in the clock of the force record"),
     "edge_force": Variable(
         ("load_step", "edge", "i"), "force", "outward resultant on each edge; NaN where not measured"
     ),
     "relaxation": Variable(
         ("load_step",), "1", "recorded force over that of an elastic sheet as stiff as this one at the test's pace"
     ),
-    "relaxation_time": Variable(("record_sample",), "s", "times at which the relaxation of the record is known"),
+    "relaxation_time": Variable(("test", "record_sample"), "s", "times at which the relaxation of the record is known"),
     "relaxation_factor": Variable(
-        ("record_sample",), "1", "recorded force over that of the relaxed elastic sheet at those times"
+        ("test", "record_sample"), "1", "recorded force over that of the relaxed elastic sheet at those times"
     ),
     "edge_constrained": Variable(
         ("load_step", "edge", "i"), "1", "1 where the edge displacement is prescribed, 0 where it is free"

@@ -1,0 +1,153 @@
+"""One real test of a specimen: its frames, its load and its force record. Lengths in mm, times in s, forces in N."""
+
+from typing import Annotated, Literal, Union
+
+from pydantic import Field, model_validator
+
+from hypernode.config.section import Count, Fraction, Positive, Section
+
+#: How a specimen may be loaded.
+SpecimenLoad = Literal[
+    "clamped_x", "clamped_y", "uniaxial_x", "uniaxial_y", "biaxial", "biaxial_clamped", "shear", "general"
+]
+#: Programs whose force records are known: the names of ``hypernode.dic.force_dialects``.
+ForceFormat = Literal[
+    "named_columns",
+    "named_axes",
+    "named_axes_brackets",
+    "bluehill_3",
+    "bluehill_universal",
+    "zwick_testxpert",
+    "mts_testsuite",
+    "cellscale_biotester",
+    "davis_load",
+    "davis_channels",
+    "matchid_image",
+]
+#: How displacement files may be laid out, by the software that writes them; ``auto``: as the files themselves show.
+Format = Literal[
+    "auto", "davis", "davis_mm", "davis_stereo", "davis8", "matchid_2024", "matchid_2023", "matchid_2d",
+    "matchid_matrices", "vic3d", "vic2d", "vic2d_mm", "dice", "dice_subsets", "gom", "gom_nodemap", "ncorr", "pyvale",
+    "al_dic", "table",
+]  # fmt: skip
+#: The machine's axes.
+Axis = Literal["x", "y"]
+#: What selects load steps; only one of them is given.
+SELECTIONS = ("frames", "stretches", "times", "load_steps")
+#: Load steps where none are asked for: as many as in the paper's experiment.
+LOAD_STEPS = 5
+
+
+class Table(Section):
+    """Columns of displacement files that no known software wrote."""
+
+    x: str = "x"
+    """Name of the column of the position along x, without its unit."""
+    y: str = "y"
+    """The same along y."""
+    u: str = "u"
+    """Name of the column of the displacement along x, without its unit."""
+    v: str = "v"
+    """The same along y."""
+    unit: Literal["pixel", "mm"] | None = None
+    """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
+    delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
+    """What stands between cells; a blank stands for any run of blanks."""
+    decimal: Literal[".", ","] = "."
+    """Decimal sign."""
+    deformed: bool = False
+    """Whether positions are those in the deformed sheet."""
+
+
+class SpecimenTest(Section):
+    """One test. ``frames``, ``stretches``, ``times`` or ``load_steps`` selects its load steps; only one is given."""
+
+    folder: str
+    """Folder with the frames and the force record, from the folder in which the workflow runs."""
+    format: Format = "auto"
+    """Software that exported the frames, where the files do not show it themselves."""
+    table: Table = Table()
+    """Columns of the frames where the format is `table`."""
+    y_points: Literal["up", "down"] | None = None
+    """Where y of the frames points, if otherwise than their format has it."""
+    allow_out_of_plane: bool = False
+    """Whether a sheet that stereo cameras saw move out of its plane by more than 5 % of its size is read."""
+    load: SpecimenLoad = "clamped_y"
+    """How the sheet is held and pulled: clamped at two ends; uniaxial, free to contract at its ends; biaxial, by rakes
+    or hooks; biaxial_clamped, as a cruciform; shear, its clamped top moved along x; general, in no simple way."""
+    force_file: str | None = "force_disp.csv"
+    """The testing machine's record in that folder; which program wrote it is told by its content. null: no force was
+    recorded, and the material is known up to one factor."""
+    force_format: ForceFormat | None = None
+    """Program that wrote the record, where its content does not tell."""
+    force_channel: Union[str, dict[Axis, str], None] = None
+    """Name of the record's column with the force, or that along each axis, where it is not the usual one."""
+    force_set: str | None = None
+    """Set of cycles that is used of a record of several."""
+    force_cycle: str | None = None
+    """Cycle that is used of a record of several."""
+    pixel_size: Positive | None = None
+    """Length of a pixel on the sheet [mm]; frames in mm need none."""
+    frame_rate: Positive | None = None
+    """Frames in a second [1/s]; not needed where the record names its pictures or the frames say their times."""
+    first_frame_time: float = 0.0
+    """Time of the first frame in the clock of the force record [s]."""
+    force_time_offset: Union[float, Literal["estimate"], None] = None
+    """Seconds by which the force record's clock is ahead of the times of the frames, or estimate, which takes it from
+    the motion that both show. Where it is left out, clocks that disagree are an error."""
+    force_offset: Union[float, dict[Axis, float]] = 0.0
+    """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted."""
+    force_uncertainty: Fraction = 0.01
+    """Relative uncertainty of the force that the grid carries: the load cell's, and that of the share of the sheet's
+    width that is left of it."""
+    relaxation: bool = True
+    """Whether to tell from the record which share of the force is a matter of time, and identify without it."""
+    camera_motion: bool = True
+    """Whether to take out what the camera moved and turned between the frames, as far as the held edges show it."""
+    grid_offset: tuple[float, float] | None = None
+    """Where the lower left corner of the measured field lies, from that of the first test [mm]; left out, where the
+    centres of both fields are one point of the sheet."""
+    frames: list[Count] | None = None
+    """Numbers of the frames that become load steps."""
+    stretches: list[Annotated[float, Field(gt=1)]] | None = None
+    """Mean stretches along the pull (1 + shear where the sheet is sheared); the nearest frames become load steps."""
+    times: list[float] | None = None
+    """Times in the clock of the frames [s]; the nearest frames become load steps."""
+    load_steps: Count | None = None
+    """Number of load steps, evenly spaced in mean stretch up to the largest one: 5 where nothing else selects them,
+    fewer where there are not as many frames."""
+    noise_pixels: Positive | None = None
+    """Standard deviation of a measured displacement [pixel]; left out, it is estimated from the frames."""
+    noise_mm: Positive | None = None
+    """The same in mm, instead."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _selection(cls, values):
+        if not isinstance(values, dict):
+            return values
+        given = [key for key in SELECTIONS if values.get(key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"give only one of {', '.join(given)}: each of them selects the load steps")
+        return values if given else {**values, "load_steps": LOAD_STEPS}
+
+    @model_validator(mode="after")
+    def _one_noise(self):
+        if self.noise_pixels is not None and self.noise_mm is not None:
+            raise ValueError("give only one of noise_pixels, noise_mm")
+        return self
+
+    @property
+    def steps(self) -> int:
+        """Largest number of load steps that the selection gives."""
+        return self.load_steps or len(self.frames or self.stretches or self.times)
+
+    def stated_noise(self, mm: float) -> float | None:
+        """Standard deviation of a measured displacement [mm] as the configuration gives it, or None.
+
+        Args:
+            mm: length of the frames' unit [mm], which is that of a pixel where they are in pixels.
+        """
+        if self.noise_mm is not None:
+            return self.noise_mm
+        return self.noise_pixels * (self.pixel_size or mm) if self.noise_pixels is not None else None

@@ -1,0 +1,50 @@
+"""When each picture was taken, in the clock of the force record."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.series import Series
+
+
+@dataclass(frozen=True)
+class FrameClock:
+    """Times of frames by their numbers, linear between those that are known and beyond them.
+
+    Attributes:
+        number: of two or more frames, increasing.
+        time: of each [s].
+    """
+
+    number: Float[np.ndarray, " known"]
+    time: Float[np.ndarray, " known"]
+
+    def at(self, numbers) -> Float[np.ndarray, " frame"]:
+        """Times of frames [s]; NaN where there is no number."""
+        numbers = np.asarray(numbers, dtype=float)
+        place = np.clip(np.searchsorted(self.number, numbers, side="right") - 1, 0, len(self.number) - 2)
+        pace = (self.time[place + 1] - self.time[place]) / (self.number[place + 1] - self.number[place])
+        return self.time[place] + (numbers - self.number[place]) * pace
+
+    def later(self, seconds: float) -> "FrameClock":
+        """The same frames so much later."""
+        return FrameClock(self.number, self.time + seconds)
+
+
+def frame_clock(test: SpecimenTest, series: Series) -> FrameClock | None:
+    """The times of a test's frames by its frame rate, else as the files say them; None where neither does.
+
+    ``first_frame_time`` and a given offset of the record's clock are added.
+    """
+    given = test.force_time_offset
+    later = test.first_frame_time + (given if isinstance(given, float) else 0.0)
+    first = series.frames[0].number
+    if test.frame_rate is not None:
+        return FrameClock(np.array([first, first + 1.0]), np.array([later, later + 1.0 / test.frame_rate]))
+    known = [(frame.number, frame.time) for frame in series.frames if frame.time is not None]
+    if len(known) < 2 or not (np.diff([time for _, time in known]) > 0.0).all():
+        return None
+    number, time = map(np.array, zip(*known, strict=True))
+    return FrameClock(number.astype(float), time + later)

@@ -1,0 +1,94 @@
+"""One test of a specimen: its frames on a grid in mm, and the forces of its load steps."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.config.specimens import Specimen
+from hypernode.dic.force_import import Component, import_forces
+from hypernode.dic.frame_clock import frame_clock
+from hypernode.dic.frames import mean_stretch, select_frames, trimmed
+from hypernode.dic.reading import read_test
+from hypernode.dic.relaxing import relaxation_of
+from hypernode.dic.series import Series
+from hypernode.mechanics.relaxation import ELASTIC, Relaxation
+from hypernode.progress import say
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One test, in mm, N and s, y upward, on the lines of its own grid.
+
+    Attributes:
+        test: what the configuration says of it.
+        x, y: lines of the grid, from the corner of the whole measured field.
+        size: of that field, before the outermost points were dropped (2,).
+        numbers: of the frames used.
+        time: of each in the clock of the force record, NaN where nothing tells it (step,).
+        stretch: mean stretch of each along the pull, or 1 + shear (step,).
+        u: displacement since the reference, NaN where a point was lost.
+        force: by component (i, J) the force along i across the whole sheet's section normal to J (step,).
+        relaxation: what of the force is a matter of time.
+        noise: stated standard deviation of a displacement; None where it is to be estimated.
+        files: every file that was read.
+        findings: sentences on what is strange about the forces.
+    """
+
+    test: SpecimenTest
+    x: Float[np.ndarray, " column"]
+    y: Float[np.ndarray, " row"]
+    size: Float[np.ndarray, " 2"]
+    numbers: Int[np.ndarray, " step"]
+    time: Float[np.ndarray, " step"]
+    stretch: Float[np.ndarray, " step"]
+    u: Float[np.ndarray, "step row column 2"]
+    force: dict[Component, Float[np.ndarray, " step"]]
+    relaxation: Relaxation
+    noise: float | None
+    files: tuple[Path, ...]
+    findings: tuple[str, ...]
+
+
+def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
+    """Read a test's frames and force record, each frame's force by its picture or its time.
+
+    Raises:
+        DicError: any input that cannot be used, with file and line.
+    """
+    full = read_test(test)
+    mm = full.millimetres(test.pixel_size)
+    series = trimmed(full, specimen.dropped_rings)
+    clock = frame_clock(test, series)
+    times = clock and {frame.number: float(clock.at(frame.number)) for frame in series.frames}
+    numbers = select_frames(test, series, times)
+    by_number = {frame.number: frame.displacement * mm for frame in series.frames}
+    reference = np.nan_to_num(by_number[series.frames[0].number])
+    stretch = dict(zip(by_number, mean_stretch(series, test.load), strict=True))
+    forces, record, findings = {}, (), ()
+    relaxation, time = ELASTIC, np.array([times[n] if times else np.nan for n in numbers])
+    if test.force_file is None:
+        say("import", test.folder, "no force is recorded: every stress is known up to one factor")
+    else:
+        sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
+        found = import_forces(test, sections, series, clock, numbers)
+        forces, record, findings, time = found.force, (found.path,), found.findings, found.time
+        used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
+        relaxation = relaxation_of(test, series, Series(series.x, series.y, used), found.pulls)
+    return LoadCase(
+        test,
+        series.x * mm,
+        series.y * mm,
+        np.array([full.x[-1] * mm, full.y[-1] * mm]),
+        numbers,
+        time,
+        np.array([stretch[number] for number in numbers]),
+        np.stack([by_number[number] for number in numbers]) - reference,
+        forces,
+        relaxation,
+        test.stated_noise(mm) or 0.3 * mm,
+        tuple(path for path in (*record, *full.files) if path.is_file()),
+        findings,
+    )
