@@ -1,5 +1,7 @@
 """Small exports of every dialect, written as its software does."""
 
+import math
+
 from hypernode.config.specimens import Specimen
 from hypernode.dic.dialects import BY_NAME
 
@@ -29,11 +31,18 @@ def displacement(k, X, Y):
     return k * (0.03 * X + 0.05), k * (0.02 * Y + 0.04)
 
 
-def points(k, step, y_up, v_up=None, deformed=False):
-    """x, y, u, v, whether lost, of every point of frame k as a file has them."""
+def turned(x, y, degrees):
+    """Components of vectors that are turned counter-clockwise."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return c * x - s * y, s * x + c * y
+
+
+def points(k, step, y_up, v_up=None, deformed=False, tilt=0.0):
+    """x, y, u, v, whether lost, of every point of frame k as a file has them, the sheet turned by a tilt in degrees."""
     for index in range(COLUMNS * ROWS):
         X, Y = step * (index % COLUMNS), step * (ROWS - 1 - index // COLUMNS)
-        u, v = displacement(k, X, Y)
+        u, v = turned(*displacement(k, X, Y), tilt)
+        X, Y = turned(X, Y, tilt)
         v = v if (y_up if v_up is None else v_up) else -v
         y = Y if y_up else step * (ROWS - 1) - Y
         moved = (u, v) if deformed else (0.0, 0.0)
@@ -102,12 +111,12 @@ FRAMES = {
 }  # fmt: skip
 
 
-def write(folder, case, change=lambda lines: lines, frames=(0, 1, 2)):
-    """Frames of a dialect; ``change`` is made to the lines of the last."""
+def write(folder, case, change=lambda lines: lines, frames=(0, 1, 2), tilt=0.0):
+    """Frames of a dialect; ``change`` is made to the lines of the last. The sheet is tilted by an angle in degrees."""
     step, header, cells, delimiter, decimal, name, first = FRAMES[case]
     dialect = BY_NAME[case.split(",")[0]]
     for k in frames:
-        rows = [cells(*p) for p in points(k, step, dialect.y_up, dialect.v_up, dialect.deformed)]
+        rows = [cells(*p) for p in points(k, step, dialect.y_up, dialect.v_up, dialect.deformed, tilt)]
         lines = [delimiter.join(f"{c}" if isinstance(c, str) else f"{c:.15g}" for c in row) for row in rows if row]
         lines = [line.replace(".", decimal) for line in lines]
         lines = [*header.split("\n"), *(lines if k < frames[-1] else change(lines))]

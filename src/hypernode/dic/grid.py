@@ -10,9 +10,13 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.points import Points
 
 #: Distance from a line of the grid, in steps, within which a point lies on it.
-_ON_LINE = 0.02
+ON_LINE = 0.02
 #: Share of a grid's extent below which two coordinates are the same.
-_ROUNDING = 1e-9
+ROUNDING = 1e-9
+#: Fewest lines of a grid along an axis.
+FEWEST_LINES = 4
+#: Most places of a grid for each of its points.
+MOST_PLACES = 4
 #: Distance in steps within which a point of a later frame is one of the reference.
 _SAME_POINT = 0.1
 #: Share of a frame's points that the reference may not know.
@@ -33,6 +37,16 @@ class ExactGrid:
 
     x: Float[np.ndarray, " column"]
     y: Float[np.ndarray, " row"]
+
+    @property
+    def step(self) -> Float[np.ndarray, " 2"]:
+        """Of the grid along x and y."""
+        return np.array([np.median(np.diff(lines)) for lines in (self.x, self.y)])
+
+    @property
+    def regular(self) -> bool:
+        """Whether lines are enough, and whole steps apart."""
+        return min(len(self.x), len(self.y)) >= FEWEST_LINES and _regular(self.x) and _regular(self.y)
 
     def values(self, points: Points, reference: int) -> Float[np.ndarray, "row column 2"]:
         """Displacements of a frame on the grid, NaN where none was measured.
@@ -126,31 +140,36 @@ def grid_of(points: Points) -> ExactGrid | NearGrid:
     Raises:
         DicError: the points span no grid.
     """
-    lines = []
     for axis, name in enumerate("xy"):
-        lines.append(_lines(points.position[:, axis]))
-        if len(lines[-1]) < 4:
-            raise DicError(f"{points.path}: only {len(lines[-1])} distinct {name} positions: no grid")
-    if all(map(_regular, lines)) and len(lines[0]) * len(lines[1]) <= 4 * len(points.position):
-        return ExactGrid(*lines)
-    return _near_grid(points)
+        distinct = len(_lines(points.position[:, axis]))
+        if distinct < FEWEST_LINES:
+            raise DicError(f"{points.path}: only {distinct} distinct {name} positions: no grid")
+    return exact_grid_of(points) or _near_grid(points)
+
+
+def exact_grid_of(points: Points) -> ExactGrid | None:
+    """The grid along the axes on which the reference's points lie, ``None`` where they lie on none."""
+    grid = ExactGrid(*(_lines(points.position[:, axis]) for axis in (0, 1)))
+    if grid.regular and len(grid.x) * len(grid.y) <= MOST_PLACES * len(points.position):
+        return grid
+    return None
 
 
 def _line(lines: np.ndarray, values: np.ndarray):
     """(index of the nearest line of each value, whether the value lies on it)."""
     index = np.searchsorted((lines[1:] + lines[:-1]) / 2.0, values)
-    return index, np.abs(lines[index] - values) <= _ON_LINE * np.median(np.diff(lines))
+    return index, np.abs(lines[index] - values) <= ON_LINE * np.median(np.diff(lines))
 
 
 def _lines(values: np.ndarray) -> np.ndarray:
     """Distinct values, those that differ by rounding alone taken as one."""
     lines = np.unique(values)
-    return lines[np.append(True, np.diff(lines) > _ROUNDING * (lines[-1] - lines[0]))]
+    return lines[np.append(True, np.diff(lines) > ROUNDING * (lines[-1] - lines[0]))]
 
 
 def _regular(lines: np.ndarray) -> bool:
     steps = np.diff(lines) / np.median(np.diff(lines))
-    return bool(np.all(np.abs(steps - np.round(steps)) <= _ON_LINE) and np.all(steps > 0.5))
+    return bool(np.all(np.abs(steps - np.round(steps)) <= ON_LINE) and np.all(steps > 0.5))
 
 
 def _near_grid(points: Points) -> NearGrid:

@@ -12,9 +12,10 @@ from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import Found, dialect_of, find_series
 from hypernode.dic.grid import NearGrid, grid_of
-from hypernode.dic.plane import Plane, plane_of
+from hypernode.dic.plane import plane_of
 from hypernode.dic.points import Points, read_points
 from hypernode.dic.series import Frame, Series
+from hypernode.dic.tilt import Tilt, tilt_of
 from hypernode.progress import say
 
 #: Largest displacement of a reference, in steps of its grid: noise of a second picture of the sheet at rest.
@@ -79,7 +80,9 @@ def read_series(
     at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
     plane = plane_of(at_rest) if first.position.shape[1] == 3 else None
     at_rest = plane.seen(at_rest) if plane else at_rest
-    grid = grid_of(at_rest)
+    tilt = tilt_of(at_rest)
+    at_rest = tilt.seen(at_rest) if tilt else at_rest
+    grid = tilt.grid if tilt else grid_of(at_rest)
     _refuse_deformed_reference(at_rest, grid, dialect)
     frames = [
         Frame(reference, grid.values(at_rest, reference), found.times.get(reference, at_rest.time), at_rest.force)
@@ -92,12 +95,16 @@ def read_series(
         if plane:
             points = plane.seen(points)
             out_of_plane = max(out_of_plane, _out_of_plane(points, at_rest, allow_out_of_plane))
+        points = tilt.seen(points) if tilt else points
         time = found.times.get(number, points.time)
         frames.append(Frame(number, grid.values(points, reference), time, points.force))
-    _tell_moves(folder, grid, plane, first.unit, out_of_plane)
+    _tell_axes(folder, grid, tilt, first.unit)
+    if plane:
+        say("import", str(folder), f"the sheet moves out of its plane by {out_of_plane:.2%} of its size")
     used = dict.fromkeys([available[0], *wanted]) if dialect.content in ("frame", "davis8") else found.files
     files = tuple(found.files[number] for number in used)
-    return Series(grid.x - grid.x[0], grid.y - grid.y[0], frames, first.unit, out_of_plane, files)
+    x, y = grid.x - grid.x[0], grid.y - grid.y[0]
+    return Series(x, y, frames, first.unit, out_of_plane, files, tilt.degrees if tilt else 0.0)
 
 
 def _source(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int], Points]]:
@@ -141,7 +148,13 @@ def _tell(folder: Path, dialect: Dialect, first: Points, reference: int, implied
     say("import", str(folder), text)
 
 
-def _tell_moves(folder: Path, grid, plane: Plane | None, unit: str, out_of_plane: float) -> None:
+def _tell_axes(folder: Path, grid, tilt: Tilt | None, unit: str) -> None:
+    if tilt:
+        text = (
+            f"the grid is tilted by {tilt.degrees:.4g} degrees against the axes of the files: positions and "
+            "displacements are along its own"
+        )
+        say("import", str(folder), text)
     if isinstance(grid, NearGrid):
         text = (
             f"points lie off a grid: interpolated onto {len(grid.x)} x {len(grid.y)} points {grid.step[0]:.4g} and "
@@ -149,8 +162,6 @@ def _tell_moves(folder: Path, grid, plane: Plane | None, unit: str, out_of_plane
             f"median, {grid.moved[1]:.2g} at most"
         )
         say("import", str(folder), text)
-    if plane:
-        say("import", str(folder), f"the sheet moves out of its plane by {out_of_plane:.2%} of its size")
 
 
 def _refuse_deformed_reference(points: Points, grid, dialect: Dialect) -> None:

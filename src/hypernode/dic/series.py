@@ -34,6 +34,8 @@ class Series:
         unit: ``pixel`` or ``mm``.
         out_of_plane: largest range of the out-of-plane displacement in a frame over the size of the sheet.
         files: every file that was read.
+        tilt: angle from x of the files to x of the grid, y upward, in (-45, 45] degrees; displacements are along the
+            grid's axes.
     """
 
     x: Float[np.ndarray, " column"]
@@ -42,6 +44,7 @@ class Series:
     unit: str = "pixel"
     out_of_plane: float = 0.0
     files: tuple[Path, ...] = field(default=())
+    tilt: float = 0.0
 
     def millimetres(self, pixel_size: float | None) -> float:
         """Length of the unit in mm; ``pixel_size`` is that of a pixel and matters for pixels alone.
