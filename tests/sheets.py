@@ -37,6 +37,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
             "cells": (("cell", "vertex"), mesh.cells),
             "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
             "u_measured": (("repeat", *names), measured[None]),
+            "noise_level": (("load_step", "i"), np.full((len(u), 2), noise)),
             "load_case": (("load_step",), np.zeros(len(u), int)),
             "stretch": (("load_step",), load.stretch),
             "H": (("load_step", "i", "J"), load.H),
@@ -45,7 +46,6 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
             "edge_constrained": (("load_step", "edge", "i"), held),
         },
         attrs={
-            "displacement_noise": noise,
             "force_uncertainty": 0.0,
             "correlation_window": window,
             "thickness": 1.0,
@@ -54,6 +54,11 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
         },
     )
     return data, mesh, params
+
+
+def believed(data, noise):
+    """A measurement whose displacements are believed to be as noisy as this."""
+    return data.assign(noise_level=data["noise_level"] * 0.0 + noise)
 
 
 def square(X):

@@ -48,7 +48,7 @@ def test_held_edges_are_smoothed_and_free_ones_left_alone():
     u = exact + np.random.default_rng(3).normal(0.0, NOISE, exact.shape)
     held = np.zeros((4, 2))
     held[1, 0] = held[3, 1] = 1.0
-    edges = prescribed_displacement(mesh, u, held, NOISE)
+    edges = prescribed_displacement(mesh, u, held, [NOISE, NOISE])
     assert edges.mask.sum() == 2 * 41 and not edges.mask[mesh.on_edge("left"), 1][:-1].any()
     assert np.std((edges.values - exact)[edges.mask]) < 0.5 * NOISE
     assert not edges.errors[~edges.mask.ravel()].any()
@@ -61,8 +61,8 @@ def test_where_two_held_edges_meet_their_mean_counts_and_has_half_the_variance()
     both, each = np.zeros((4, 2)), np.zeros((2, 4, 2))
     both[[0, 2], 0] = each[0, 0, 0] = each[1, 2, 0] = 1.0
     corner = np.flatnonzero(mesh.on_edge("left") & mesh.on_edge("bottom"))[0]
-    found = prescribed_displacement(mesh, u, both, NOISE)
-    parts = [prescribed_displacement(mesh, u, held, NOISE) for held in each]
+    found = prescribed_displacement(mesh, u, both, [NOISE, NOISE])
+    parts = [prescribed_displacement(mesh, u, held, [NOISE, NOISE]) for held in each]
     assert found.values[corner, 0] == pytest.approx(np.mean([part.values[corner, 0] for part in parts]))
     variances = [np.sum(part.errors[2 * corner] ** 2) for part in parts]
     assert np.sum(found.errors[2 * corner] ** 2) == pytest.approx(sum(variances) / 4.0)

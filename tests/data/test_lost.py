@@ -46,12 +46,12 @@ def test_an_edge_with_lost_points_is_prescribed_all_along(noise):
     gappy[right[[0, 4]]] = np.nan
     prescribed = np.zeros((4, 2))
     prescribed[1, 0] = 1.0
-    found = prescribed_displacement(mesh, gappy, prescribed, noise)
+    found = prescribed_displacement(mesh, gappy, prescribed, [noise, noise])
     assert found.mask[right, 0].all() and found.mask.sum() == len(right)
     np.testing.assert_allclose(found.values[right, 0], u[right, 0], atol=1e-9)
     gappy[right[:6]] = np.nan
     with pytest.raises(ValueError, match="of the right edge of the grid only 3 of 9 points"):
-        prescribed_displacement(mesh, gappy, prescribed, noise)
+        prescribed_displacement(mesh, gappy, prescribed, [noise, noise])
 
 
 def lose(data, nodes):

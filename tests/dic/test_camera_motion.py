@@ -11,7 +11,9 @@ STEP = 20.0
 X, Y = STEP * np.arange(24.0), STEP * np.arange(18.0)
 POSITION = np.stack(np.meshgrid(X, Y), axis=-1)
 #: Load -> mean displacement gradient of its edges.
-H = {kind: make_load(kind, [[1.2, 1.1]] if kind == "biaxial" else [1.2]).H[0] for kind in CONSTRAINED}
+# What a general test does to a sheet, no kind of load says.
+KINDS = [kind for kind in CONSTRAINED if kind != "general"]
+H = {kind: make_load(kind, [[1.2, 1.1]] if kind == "biaxial" else [1.2]).H[0] for kind in KINDS}
 
 
 def sheet(kind, uneven):
@@ -41,7 +43,7 @@ def close(u, expected):
     np.testing.assert_allclose(u, expected, rtol=0, atol=1e-12 * np.nanmax(np.abs(expected)))
 
 
-@pytest.mark.parametrize("kind", CONSTRAINED)
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("uneven", [0.0, 1.0])
 @pytest.mark.parametrize("degrees", [0.0, 1.0, -1.0, 10.0])
 def test_a_sheet_seen_by_a_moved_camera_comes_back_to_rounding(kind, uneven, degrees):
@@ -61,7 +63,7 @@ def test_a_shear_turns_the_sheet_and_is_not_taken_for_the_camera():
     close(without(motion, X, Y, u), u)
 
 
-@pytest.mark.parametrize("kind", CONSTRAINED)
+@pytest.mark.parametrize("kind", KINDS)
 def test_noise_leaves_the_angle_within_its_uncertainty(kind):
     u, false_alarms, stated = at_rest(sheet(kind, 1.0), kind), 0, []
     for seed in range(50):

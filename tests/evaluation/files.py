@@ -57,6 +57,7 @@ def measurement(mesh: Mesh, F, edge_force, prescribed, thickness: float = 1.0, r
             "edge_force": (("load_step", "edge", "i"), np.where(held > 0, edge_force, np.nan)),
             "relaxation": ("load_step", np.broadcast_to(relaxation, steps).astype(float)),
             "edge_constrained": (("load_step", "edge", "i"), held),
+            "noise_level": (("load_step", "i"), np.zeros((steps, 2))),
         },
-        attrs={"thickness": thickness, "displacement_noise": 0.0},
+        attrs={"thickness": thickness},
     )

@@ -28,8 +28,9 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
             "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
             "relaxation": (("load_step",), np.ones(1)),
+            "noise_level": (("load_step", "i"), np.zeros((1, 2))),
         },
-        attrs={"thickness": 0.5, "displacement_noise": 0.0},
+        attrs={"thickness": 0.5},
     )
     forces = pulled_sheet(measurement, node, params[None], Progress("references", "sheet", 1))
     P = np.asarray(node_stress(node, jnp.asarray(F)[..., None], params[:, None]))[..., 0]
@@ -59,9 +60,10 @@ def test_other_frames_of_a_test_are_predicted_with_the_relaxation_of_those_that_
             "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
             "relaxation": (("load_step",), np.array([1.25])),
+            "noise_level": (("load_step", "i"), np.zeros((1, 2))),
             "time": (("load_step",), np.array([3.0])),
         },
-        attrs={"thickness": 0.5, "displacement_noise": 0.0},
+        attrs={"thickness": 0.5},
     )
     identified = xr.Dataset(
         {

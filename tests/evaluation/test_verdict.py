@@ -11,7 +11,7 @@ from hypernode.evaluation.criteria import SETTINGS, Threshold, judge_run
 from hypernode.evaluation.region import score_region
 from hypernode.mechanics.loads import make_load
 from hypernode.verdict import Criterion, Ending, Level, Verdict
-from tests.sheets import sheet, square
+from tests.sheets import believed, sheet, square
 
 NOISE = 1e-3
 #: Observed displacements of the sheet below.
@@ -29,12 +29,12 @@ GOOD = {
 def clean():
     """A measured sheet, without noise."""
     measurement, _, _ = sheet(8, square, make_load("biaxial", [[1.05, 1.04], [1.1, 1.06]]), terms=("I1_squared",))
-    return measurement.assign_attrs(displacement_noise=0.0, force_uncertainty=0.0, outline="edge", forces="measured")
+    return measurement.assign_attrs(force_uncertainty=0.0, outline="edge", forces="measured")
 
 
 @pytest.fixture(scope="module")
 def measurement(clean):
-    return clean.assign_attrs(displacement_noise=NOISE)
+    return believed(clean, NOISE)
 
 
 def constrained(noisy=True, law=(0.002, 0.003)):

@@ -21,7 +21,7 @@ from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
-from tests.sheets import SCALE, sheet, square
+from tests.sheets import SCALE, believed, sheet, square
 
 
 @pytest.mark.slow
@@ -277,5 +277,5 @@ def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough
 
     undivided = descend(field_problem(data, settings), settings, "shifted", None, (), settings.tolerance)
     assert error(np.log(np.exp(found.params[:, 0][parts]).mean(axis=1))) < 0.85 * error(undivided.params[:, 0])
-    noisy = identify(data.assign_attrs(displacement_noise=1e-2), settings, "shifted")
+    noisy = identify(believed(data, 1e-2), settings, "shifted")
     assert not noisy.problem.divided, "what noise hides is not looked for"

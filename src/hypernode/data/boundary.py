@@ -115,7 +115,10 @@ def _smoothed_edge(edge: str, x: Float[np.ndarray, " point"], u: Float[np.ndarra
 
 
 def prescribed_displacement(
-    mesh: Mesh, u: Float[np.ndarray, "node 2"], prescribed: Float[np.ndarray, "edge 2"], noise: float
+    mesh: Mesh,
+    u: Float[np.ndarray, "node 2"],
+    prescribed: Float[np.ndarray, "edge 2"],
+    noise: Float[np.ndarray, " 2"],
 ) -> PrescribedDisplacement:
     """Prescribed displacements: the measured ones on every prescribed edge, smoothed along it.
 
@@ -123,7 +126,7 @@ def prescribed_displacement(
 
     Args:
         prescribed: which components of which edges are prescribed.
-        noise: standard deviation of ``u``.
+        noise: standard deviation of the components of ``u``.
 
     Raises:
         ValueError: of an edge less is measured than :data:`LEAST_MEASURED`.
@@ -133,7 +136,7 @@ def prescribed_displacement(
         on = np.flatnonzero(mesh.on_edge(edge))
         on = on[np.argsort(mesh.nodes[on, 1 - axis])]
         for i in np.flatnonzero(prescribed[index]):
-            values, modes = _smoothed_edge(edge, mesh.nodes[on, 1 - axis], u[on, i], noise)
+            values, modes = _smoothed_edge(edge, mesh.nodes[on, 1 - axis], u[on, i], noise[i])
             total[on, i] += values
             count[on, i] += 1
             spread = np.zeros((*u.shape, modes.shape[1]))

@@ -32,8 +32,13 @@ def measured_displacement(measurement: xr.Dataset) -> Float[np.ndarray, "step no
 
 
 def displacement_noise(measurement: xr.Dataset) -> float:
-    """Standard deviation of the mean over the repeats of the measured displacement."""
-    return float(measurement.attrs["displacement_noise"]) / np.sqrt(measurement.sizes["repeat"])
+    """Standard deviation of the mean over the repeats of the measured displacement, root mean square of all steps."""
+    return float(np.sqrt(np.mean(noise_of_steps(measurement) ** 2)))
+
+
+def noise_of_steps(measurement: xr.Dataset) -> Float[np.ndarray, "step 2"]:
+    """The same of every step and component."""
+    return measurement["noise_level"].values / np.sqrt(measurement.sizes["repeat"])
 
 
 def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:

@@ -62,9 +62,9 @@ class ImportedSpecimen:
         return any(case.force for case in self.cases)
 
     @property
-    def noise(self) -> float:
+    def noise(self) -> Float[np.ndarray, "step 2"]:
         """Standard deviation of a measured displacement [mm]."""
-        return max(case.noise for case in self.cases)
+        return np.concatenate([case.noise for case in self.cases])
 
     @property
     def lost_points(self) -> int:

@@ -6,7 +6,7 @@ from jaxtyping import Float
 
 from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.lost import filled
-from hypernode.data.measurement import displacement_noise, measured_displacement, mesh_of, relaxation, relaxation_at
+from hypernode.data.measurement import measured_displacement, mesh_of, noise_of_steps, relaxation, relaxation_at
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
 from hypernode.material.laws import node_stress
@@ -56,10 +56,10 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
         lambda F, p: jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1),
         {"node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:]))},
     )
-    forces, noise = [], displacement_noise(measurement)
+    forces, noise = [], noise_of_steps(measurement)
     measured = measured_displacement(measurement)
     for step, (u, guess) in enumerate(zip(measured, filled(mesh, measured), strict=True)):
-        edges = prescribed_displacement(mesh, u, prescribed, noise)
+        edges = prescribed_displacement(mesh, u, prescribed, noise[step])
         reached = solver.newton(np.where(edges.mask, edges.values, guess), np.flatnonzero(edges.mask.ravel()), 1e-8)
         if reached.u is None:
             raise ConvergenceError(

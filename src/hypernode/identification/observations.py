@@ -7,10 +7,17 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.data.boundary import prescribed_displacement
+from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import displacement_noise, is_cut_out, measured_displacement, mesh_of, stress_resultants
+from hypernode.data.measurement import (
+    displacement_noise,
+    is_cut_out,
+    measured_displacement,
+    mesh_of,
+    noise_of_steps,
+    stress_resultants,
+)
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.refinement import Refinement, refine
@@ -31,7 +38,8 @@ class Boundary:
         errors: errors of these values (degree of freedom, independent standard normal number).
         prescribed, free: their degrees of freedom, and all others.
         observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points.
-        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones.
+        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
+            what it saw of them, both over the noise of that step and component relative to that of all.
     """
 
     mask: np.ndarray
@@ -41,6 +49,7 @@ class Boundary:
     free: np.ndarray
     observed: np.ndarray
     observe: scipy.sparse.csr_matrix
+    seen: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -61,7 +70,7 @@ class Observations:
         grid: the measured grid; ``refinement`` divides its cells into subcells.
         loading: what is known about the forces.
         u: mean of the repeats (step, node, 2), filled in where points were lost; what is filled in is not observed.
-        sigma: standard deviation of u, of noise and finite elements together.
+        sigma: standard deviation of u, of noise and finite elements together, root mean square of all.
         noisy: whether noise is the larger of the two.
         window: side of the camera's correlation window, 0 without one.
         cut: whether the grid is cut out of a larger sheet.
@@ -111,22 +120,22 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
         prescribed = np.ones_like(prescribed)
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
     seen = window_average(refinement.mesh, window)[at_points.ravel()]
-    boundaries = [_boundary(refinement, grid, *each, noise, seen) for each in zip(measured, prescribed, strict=True)]
-    stretch = float(measurement["stretch"].values.max())
+    levels = noise_of_steps(measurement)
     sigma, noisy = float(np.hypot(noise, floor)), bool(noise >= floor)
+    relative = np.hypot(levels, floor) / sigma
+    each = zip(measured, prescribed, levels, relative, strict=True)
+    boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
+    stretch = float(measurement["stretch"].values.max())
     return Observations(
         grid, refinement, Loading.of(measurement), u, sigma, noisy, window, cut, stretch, tuple(boundaries)
     )
 
 
-def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise: float, seen) -> Boundary:
-    edges = prescribed_displacement(grid, u, prescribed, noise)
+def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:
+    edges = _kept_from_drifting(grid, u, prescribed_displacement(grid, u, prescribed, noise), noise)
     between = refinement.interpolation
     both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
-    mask = edges.mask.copy()
-    for i in np.flatnonzero(~mask.any(axis=0)):
-        # Where nothing prescribes a component, one corner keeps the sheet from drifting.
-        mask[np.argmin(np.abs(grid.nodes - grid.lower).sum(axis=1)), i] = True
+    mask = edges.mask
     observed = np.flatnonzero(~mask.ravel() & np.isfinite(u.ravel()))
     # A node between two that are prescribed is prescribed as well.
     mask = between @ mask > 1.0 - ROUNDING
@@ -137,8 +146,26 @@ def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise: float, s
         np.flatnonzero(mask.ravel()),
         np.flatnonzero(~mask.ravel()),
         observed,
-        seen[observed],
+        scipy.sparse.diags(1.0 / np.tile(relative, len(u))[observed]) @ seen[observed],
+        u.ravel()[observed] / np.tile(relative, len(u))[observed],
     )
+
+
+def _kept_from_drifting(grid: Mesh, u, edges: PrescribedDisplacement, noise) -> PrescribedDisplacement:
+    """The same with one point prescribed in each component that no edge prescribes, the measured one next to a corner.
+
+    The sheet as a whole is then off by the noise of that point, which is an error like those of edges.
+    """
+    mask, values, errors = edges.mask.copy(), edges.values.copy(), edges.errors
+    distance = np.where(np.isfinite(u).all(axis=1), np.abs(grid.nodes - grid.lower).sum(axis=1), np.inf)
+    point = int(np.argmin(distance))
+    for i in np.flatnonzero(~mask.any(axis=0)):
+        mask[point, i], values[point, i] = True, u[point, i]
+        if noise[i] > 0.0:
+            own = np.zeros((u.size, 1))
+            own[2 * point + i] = noise[i]
+            errors = np.concatenate([errors, own], axis=1)
+    return PrescribedDisplacement(mask, values, errors)
 
 
 def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:

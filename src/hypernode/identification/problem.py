@@ -124,8 +124,8 @@ class FieldProblem:
 
     def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
         """(misfit of the observed displacements by step, misfit of the forces over their uncertainty)."""
-        each = zip(self.observations.boundaries, states, self.observations.u, strict=True)
-        u = [b.observe @ state.u.ravel() - data.ravel()[b.observed] for b, state, data in each]
+        each = zip(self.observations.boundaries, states, strict=True)
+        u = [boundary.observe @ state.u.ravel() - boundary.seen for boundary, state in each]
         f = [(f.direction @ states[f.step].force - f.value) / f.sigma for f in self.forces]
         return u, np.array(f)
 

@@ -79,6 +79,10 @@ VARIABLES = {
     # fields
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
     "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),
+    "noise_level": Variable(
+        ("load_step", "i"), "length", "standard deviation of a measured displacement, of one measurement"
+    ),
+    "camera_angle": Variable(("load_step",), "degree", "angle of the camera since the reference, which was taken out"),
     "u_truth": Variable(("load_step", "node", "i"), "length", "displacement without noise"),
     "X_quadrature": Variable(("cell", "quadrature_point", "i"), "length", "quadrature points"),
     "F": Variable(_TENSOR, "1", "deformation gradient at the cell centres"),

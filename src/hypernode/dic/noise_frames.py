@@ -1,0 +1,41 @@
+"""What the errors of several frames share: a speckle's texture misleads each alike, and no mean takes that out."""
+
+import numpy as np
+from jaxtyping import Float
+
+#: The fourth difference, which leaves hardly anything of a smooth field.
+_STENCIL = (1.0, -4.0, 6.0, -4.0, 1.0)
+
+
+def fine(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarray, "step value"]:
+    """Fourth differences of every step between neighbours along x and y, NaN where one of the points was lost."""
+    parts = []
+    for axis in (1, 2):
+        size = displacement.shape[axis] - len(_STENCIL) + 1
+        shifted = [np.take(displacement, np.arange(k, k + size), axis=axis) for k in range(len(_STENCIL))]
+        parts.append(sum(c * part for c, part in zip(_STENCIL, shifted, strict=True)))
+    return np.concatenate([part.reshape(len(displacement), -1) for part in parts], axis=1)
+
+
+def shared_by_steps(displacement: Float[np.ndarray, "step row column 2"]) -> float:
+    """Mean correlation of the fine errors of two load steps, from 0 to 1.
+
+    By the signs of the fine differences, whose correlation of a normal distribution is sin(pi/2 q) (Blomqvist, On a
+    measure of dependence between two random variables, 1950): interfaces, few among all points, hardly count.
+    """
+    values = fine(displacement)
+    found = []
+    for a in range(len(values)):
+        for b in range(a):
+            both = np.isfinite(values[a]) & np.isfinite(values[b]) & (values[a] != 0.0) & (values[b] != 0.0)
+            if both.any():
+                found.append(np.sin(0.5 * np.pi * np.mean(np.sign(values[a][both] * values[b][both]))))
+    return float(np.clip(np.mean(found), 0.0, 1.0)) if found else 0.0
+
+
+def as_independent(level: Float[np.ndarray, "step 2"], shared: float) -> Float[np.ndarray, "step 2"]:
+    """Level at which errors that steps share weigh as much as independent ones would.
+
+    The mean of n values of variance s^2 and correlation r has the variance s^2 (1 + (n - 1) r) / n.
+    """
+    return level * np.sqrt(1.0 + (len(level) - 1) * shared)
