@@ -38,6 +38,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
             "corners": (("corner", "i"), np.stack([mesh.lower, mesh.upper])),
             "u_measured": (("repeat", *names), measured[None]),
             "noise_level": (("load_step", "i"), np.full((len(u), 2), noise)),
+            "noise_scatter": (("load_step", "i"), np.full((len(u), 2), noise)),
             "load_case": (("load_step",), np.zeros(len(u), int)),
             "stretch": (("load_step",), load.stretch),
             "H": (("load_step", "i", "J"), load.H),
@@ -58,7 +59,8 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
 
 def believed(data, noise):
     """A measurement whose displacements are believed to be as noisy as this."""
-    return data.assign(noise_level=data["noise_level"] * 0.0 + noise)
+    level = data["noise_level"] * 0.0 + noise
+    return data.assign(noise_level=level, noise_scatter=level)
 
 
 def square(X):

@@ -32,13 +32,21 @@ def measured_displacement(measurement: xr.Dataset) -> Float[np.ndarray, "step no
 
 
 def displacement_noise(measurement: xr.Dataset) -> float:
-    """Standard deviation of the mean over the repeats of the measured displacement, root mean square of all steps."""
+    """Level of independent errors of the mean over the repeats of the displacement, root mean square of all steps."""
     return float(np.sqrt(np.mean(noise_of_steps(measurement) ** 2)))
 
 
 def noise_of_steps(measurement: xr.Dataset) -> Float[np.ndarray, "step 2"]:
     """The same of every step and component."""
     return measurement["noise_level"].values / np.sqrt(measurement.sizes["repeat"])
+
+
+def scatter_of_steps(measurement: xr.Dataset) -> Float[np.ndarray, "step 2"]:
+    """Standard deviation of the mean over the repeats of a measured displacement, of every step and component.
+
+    Errors that points or steps share are smaller than the independent ones by which they are weighed.
+    """
+    return measurement["noise_scatter"].values / np.sqrt(measurement.sizes["repeat"])
 
 
 def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:

@@ -12,17 +12,13 @@ from hypernode.dic.camera_motion import camera_motion, without
 from hypernode.dic.force_import import Component, import_forces
 from hypernode.dic.frame_clock import frame_clock
 from hypernode.dic.frames import mean_stretch, select_frames, trimmed
-from hypernode.dic.noise import estimate_noise
-from hypernode.dic.noise_frames import as_independent, shared_by_steps
+from hypernode.dic.noise_steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
 from hypernode.dic.relaxing import relaxation_of
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.mechanics.relaxation import ELASTIC, Relaxation
 from hypernode.progress import say
-
-#: Frames after the reference among which a sheet at rest is looked for.
-FIRST_FRAMES = 10
 
 
 @dataclass(frozen=True)
@@ -40,8 +36,7 @@ class LoadCase:
         force: by component (i, J) the force along i across the whole sheet's section normal to J (step,).
         relaxation: what of the force is a matter of time.
         camera_angle: by which the camera was turned against the reference, and which is taken out [rad] (step,).
-        noise: standard deviation of a displacement, as if errors were independent of one another.
-        noise_source: where it is from, a sentence.
+        noise: of the displacements, in mm.
         files: every file that was read.
         findings: sentences on what is strange about the forces.
     """
@@ -57,8 +52,7 @@ class LoadCase:
     force: dict[Component, Float[np.ndarray, " step"]]
     relaxation: Relaxation
     camera_angle: Float[np.ndarray, " step"]
-    noise: Float[np.ndarray, "step 2"]
-    noise_source: str
+    noise: StepNoise
     files: tuple[Path, ...]
     findings: tuple[str, ...]
 
@@ -77,7 +71,6 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
     numbers = select_frames(test, series, times)
     by_number = {frame.number: frame.displacement * mm for frame in series.frames}
     u = np.stack([by_number[number] for number in numbers]) - np.nan_to_num(by_number[series.frames[0].number])
-    noise, noise_source = _noise(test, series, numbers, mm)
     stretch = dict(zip(by_number, mean_stretch(series, test.load), strict=True))
     forces, record, findings = {}, (), ()
     relaxation, time = ELASTIC, np.array([times[n] if times else np.nan for n in numbers])
@@ -101,8 +94,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
         forces,
         relaxation,
         np.array([angles[number] for number in numbers]),
-        noise,
-        noise_source,
+        noise_of(test, series, numbers, mm),
         tuple(path for path in (*record, *full.files) if path.is_file()),
         findings,
     )
@@ -129,24 +121,3 @@ def _from_where_the_camera_was(test: SpecimenTest, series: Series) -> tuple[Seri
         about = f"held edges are turned by up to {np.degrees(largest):.2g} degrees in {turned} frames"
         say("import", test.folder, f"{about}: taken for the camera's, and taken out (camera_motion: false leaves it)")
     return replace(series, frames=frames), angles
-
-
-def _noise(test: SpecimenTest, series: Series, numbers, mm: float) -> tuple[np.ndarray, str]:
-    """(standard deviation of the displacements of the load steps [mm] (step, 2), where it is from)."""
-    stated = test.stated_noise(mm)
-    if stated is not None:
-        return np.full(
-            (len(numbers), 2), stated
-        ), f"noise of displacements as the configuration gives it: {stated:.3g} mm"
-    # Frames at rest are among the first; the others matter as far as they are load steps.
-    seen = [f for k, f in enumerate(series.frames) if k <= FIRST_FRAMES or f.number in numbers]
-    estimate = estimate_noise(np.stack([frame.displacement for frame in seen]) * mm)
-    steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
-    shared = shared_by_steps(np.stack([seen[k].displacement for k in steps]))
-    # Of a frame that says nothing, the others' level is believed.
-    level = estimate.equivalent[steps]
-    level = np.where(np.isfinite(level), level, np.nanmean(estimate.equivalent, axis=0))
-    noise = as_independent(level, shared)
-    sentence = f"{estimate} [mm]; load steps share {shared:.0%} of it: {noise.min():.2g} to {noise.max():.2g} mm each"
-    say("import", test.folder, sentence)
-    return noise, sentence

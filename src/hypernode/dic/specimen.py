@@ -62,11 +62,6 @@ class ImportedSpecimen:
         return any(case.force for case in self.cases)
 
     @property
-    def noise(self) -> Float[np.ndarray, "step 2"]:
-        """Standard deviation of a measured displacement [mm]."""
-        return np.concatenate([case.noise for case in self.cases])
-
-    @property
     def lost_points(self) -> int:
         """How many points of the mesh are lost in a frame used."""
         return int(np.isnan(self.u).any(axis=(0, 2)).sum())

@@ -16,6 +16,7 @@ from hypernode.data.measurement import (
     measured_displacement,
     mesh_of,
     noise_of_steps,
+    scatter_of_steps,
     stress_resultants,
 )
 from hypernode.fem.gradient import deformation_gradient
@@ -71,6 +72,8 @@ class Observations:
         loading: what is known about the forces.
         u: mean of the repeats (step, node, 2), filled in where points were lost; what is filled in is not observed.
         sigma: standard deviation of u, of noise and finite elements together, root mean square of all.
+        scatter: what is expected of the root mean square of u's errors over sigma: 1 where errors are independent, less
+            where points or steps share them, so that each is weighed as a larger one.
         noisy: whether noise is the larger of the two.
         window: side of the camera's correlation window, 0 without one.
         cut: whether the grid is cut out of a larger sheet.
@@ -83,6 +86,7 @@ class Observations:
     loading: Loading
     u: Float[np.ndarray, "step node 2"]
     sigma: float
+    scatter: float
     noisy: bool
     window: float
     cut: bool
@@ -122,12 +126,14 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
     seen = window_average(refinement.mesh, window)[at_points.ravel()]
     levels = noise_of_steps(measurement)
     sigma, noisy = float(np.hypot(noise, floor)), bool(noise >= floor)
-    relative = np.hypot(levels, floor) / sigma
+    believed = np.hypot(levels, floor)
+    relative = believed / sigma
+    scatter = float(np.sqrt(np.mean((np.hypot(scatter_of_steps(measurement), floor) / believed) ** 2)))
     each = zip(measured, prescribed, levels, relative, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
     stretch = float(measurement["stretch"].values.max())
     return Observations(
-        grid, refinement, Loading.of(measurement), u, sigma, noisy, window, cut, stretch, tuple(boundaries)
+        grid, refinement, Loading.of(measurement), u, sigma, scatter, noisy, window, cut, stretch, tuple(boundaries)
     )
 
 

@@ -27,7 +27,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "load_cases": [each.test.load for each in sheet.cases],
             "outline": specimen.outline,
             "thickness": specimen.thickness,
-            "noise_sources": [each.noise_source for each in sheet.cases],
+            "noise_sources": [each.noise.source for each in sheet.cases],
             "force_uncertainty": max(each.test.force_uncertainty for each in sheet.cases),
             "correlation_window": specimen.correlation_window,
             "frames": [each.numbers.tolist() for each in sheet.cases],
@@ -59,6 +59,7 @@ def _variables(sheet: ImportedSpecimen) -> dict:
         "relaxation_factor": factors,
         "edge_constrained": sheet.constrained,
         "u_measured": sheet.u[None],
-        "noise_level": sheet.noise,
+        "noise_scatter": np.concatenate([each.noise.scatter for each in sheet.cases]),
+        "noise_level": np.concatenate([each.noise.level for each in sheet.cases]),
         "camera_angle": np.degrees(np.concatenate([each.camera_angle for each in sheet.cases])),
     }

@@ -79,8 +79,9 @@ VARIABLES = {
     # fields
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
     "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),
+    "noise_scatter": Variable(("load_step", "i"), "length", "standard deviation of a measured displacement"),
     "noise_level": Variable(
-        ("load_step", "i"), "length", "standard deviation of a measured displacement, of one measurement"
+        ("load_step", "i"), "length", "that of independent errors which weigh as much as those that points share do"
     ),
     "camera_angle": Variable(("load_step",), "degree", "angle of the camera since the reference, which was taken out"),
     "u_truth": Variable(("load_step", "node", "i"), "length", "displacement without noise"),

@@ -1,0 +1,65 @@
+"""The noise of a test's load steps: as the configuration gives it, else from the frames."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.noise import estimate_noise
+from hypernode.dic.noise_frames import as_independent, shared_by_steps
+from hypernode.dic.series import Series
+from hypernode.progress import say
+
+#: Frames after the reference among which a sheet at rest is looked for.
+FIRST_FRAMES = 10
+
+
+@dataclass(frozen=True)
+class StepNoise:
+    """Errors of the displacements of load steps [mm].
+
+    Attributes:
+        scatter: standard deviation of a displacement.
+        level: that of independent errors which weigh as much as these do, shared by neighbouring points and by steps.
+        source: where they are from, a sentence.
+    """
+
+    scatter: Float[np.ndarray, "step 2"]
+    level: Float[np.ndarray, "step 2"]
+    source: str
+
+
+def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> StepNoise:
+    """The noise of a test's load steps, said in the log where it is estimated.
+
+    Args:
+        test: what the configuration says; a stated noise is that of independent errors.
+        series: the frames, in their unit.
+        numbers: of the frames that are load steps.
+        mm: length of that unit [mm].
+
+    Raises:
+        DicError: none is stated, and the frames do not tell it.
+    """
+    stated = test.stated_noise(mm)
+    if stated is not None:
+        level = np.full((len(numbers), 2), stated)
+        return StepNoise(level, level, f"the configuration gives a noise of displacements of {stated:.3g} mm")
+    # Frames at rest are among the first; the others matter as far as they are load steps.
+    seen = [frame for k, frame in enumerate(series.frames) if k <= FIRST_FRAMES or frame.number in numbers]
+    displacement = np.stack([frame.displacement for frame in seen]) * mm
+    estimate = estimate_noise(displacement)
+    steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
+    shared = shared_by_steps(displacement[steps])
+    scatter, equivalent = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
+    level = as_independent(equivalent, shared)
+    said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {level.min():.2g} to "
+    source = f"{said}{level.max():.2g} mm"
+    say("import", test.folder, source)
+    return StepNoise(scatter, level, source)
+
+
+def _believed(values: Float[np.ndarray, "frame 2"], steps: list[int]) -> Float[np.ndarray, "step 2"]:
+    """Values of the load steps; of one that says nothing, the mean of the frames that do."""
+    return np.where(np.isfinite(values[steps]), values[steps], np.nanmean(values, axis=0))
