@@ -51,6 +51,7 @@ bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py
 	$(BIN)/python benchmarks/whole_case.py X P_soft ring_low
 	$(BIN)/python benchmarks/forward_size.py
+	$(BIN)/python benchmarks/import_frames.py
 	$(BIN)/python benchmarks/provenance.py
 
 $(VENV)/run: requirements.txt constraints.txt pyproject.toml

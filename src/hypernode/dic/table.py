@@ -111,55 +111,77 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     if layout is None:
         raise _refusal(path, lines, dialect)
     roles = _roles(path, layout, dialect)
-    width = len(layout.names)
-    index = list(roles.values())
-    values, numbers = [], []
-    quoted = any('"' in line for line in lines[layout.header + 1 : layout.header + 3])
-    turned = layout.decimal == ","
-    for number, line in enumerate(lines[layout.header + 1 :], start=layout.header + 2):
-        if not line.strip():
-            continue
-        text = line.replace(",", ".") if turned else line
-        if quoted:
-            fields = _cells(text, layout.delimiter)
-        else:
-            fields = text.split(None if layout.delimiter == " " else layout.delimiter)
-        if len(fields) != width:
-            raise DicError(f"{path}:{number}: {len(fields)} fields, the header has {width}")
-        try:
-            values.append([float(fields[k]) for k in index])
-        except ValueError:
-            values.append([_number(fields[k], dialect, layout, f"{path}:{number}", line) for k in index])
-        numbers.append(number)
-    if not values:
+    body = [(k, line) for k, line in enumerate(lines[layout.header + 1 :], start=layout.header + 2) if line.strip()]
+    if not body:
         raise DicError(f"{path}:{layout.header + 2}: no points")
-    if layout.rows not in (None, len(values)):
-        raise DicError(
-            f"{path}:{numbers[-1]}: {len(values)} points, the first line promises {layout.rows}: export again"
-        )
-    table = np.array(values)
+    table = _plain(body, layout, list(roles.values()), dialect.blanks)
+    if table is None:
+        table = _row_by_row(path, body, layout, list(roles.values()), dialect)
+    if layout.rows not in (None, len(body)):
+        raise DicError(f"{path}:{body[-1][0]}: {len(body)} points, the first line promises {layout.rows}: export again")
     names = layout.names
     units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
     return (
         {role: table[:, k] for k, role in enumerate(roles)},
-        np.array(numbers),
+        np.array([number for number, _ in body]),
         units,
         lines[: layout.header],
     )
 
 
+def _plain(body: list[tuple[int, str]], layout: Layout, columns: list[int], blanks: bool) -> np.ndarray | None:
+    """Columns of rows that hold as many cells as the header, numbers all of them, or empty where ``blanks``.
+
+    ``None`` where a row asks for a closer look.
+    """
+    text, sign = "\n".join(line for _, line in body), layout.delimiter
+    if '"' in text or (layout.decimal == "," and "." in text):
+        return None
+    text = text.replace(",", ".") if layout.decimal == "," else text
+    if blanks and sign != " ":
+        # Twice, since neighbours share a delimiter.
+        for empty, number in 2 * ((sign + sign, f"{sign}nan{sign}"), (f"{sign}\n", f"{sign}nan\n")):
+            text = text.replace(empty, number)
+        text += "nan" if text.endswith(sign) else ""
+    rows, signs = text.split("\n"), len(layout.names) - 1
+    if any((len(row.split()) - 1 if sign == " " else row.count(sign)) != signs for row in rows):
+        return None
+    try:
+        return np.loadtxt(rows, delimiter=None if sign == " " else sign, usecols=columns, comments=None, ndmin=2)
+    except ValueError:
+        return None
+
+
+def _row_by_row(path: Path, body, layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:
+    """The same of rows with quoted cells or words, or an error that names the line."""
+    width, values = len(layout.names), []
+    quoted = any('"' in line for _, line in body[:2])
+    for number, line in body:
+        if quoted:
+            fields = _cells(line, layout.delimiter)
+        else:
+            fields = line.split(None if layout.delimiter == " " else layout.delimiter)
+        if len(fields) != width:
+            raise DicError(f"{path}:{number}: {len(fields)} fields, the header has {width}")
+        values.append([_number(fields[k], dialect, layout, f"{path}:{number}", line) for k in columns])
+    return np.array(values)
+
+
 def _number(cell: str, dialect: Dialect, layout: Layout, where: str, line: str) -> float:
-    """A cell that Python's ``float`` may not read: a word, or an error that names the line."""
-    word = cell.strip().lower()
+    """A number, a word that stands for one, or an error that names the line."""
+    word, turned = cell.strip().lower(), layout.decimal == ","
     if word in _WORDS:
         return _WORDS[word]
     if dialect.blanks and word in NOT_A_NUMBER:
         return np.nan
     try:
-        return float(cell)
+        # Neither a point among decimal commas nor Python's 1_0 is a number.
+        return float("_" if "_" in word or (turned and "." in word) else word.replace(",", ".") if turned else word)
     except ValueError:
-        comma = "," in line and layout.delimiter != "," and layout.decimal == "."
-        hint = " (decimal comma? export with decimal points)" if comma else ""
+        hint = ""
+        if "," in line and layout.delimiter != ",":
+            comma = "a decimal point among decimal commas" if turned else "decimal comma"
+            hint = f" ({comma}? export with decimal points)"
         raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
 
 
