@@ -13,16 +13,19 @@ from hypernode.dic.reading import read_series, read_test
 from hypernode.dic.series import Frame, Series
 from hypernode.dic.writing import write_series
 from tests.dic.exports import (
+    ASSEMBLED,
     COLUMNS,
-    DICE_PREAMBLE,
     FRAMES,
     LOST,
     ROWS,
     displacement,
+    export,
+    matrices,
+    ncorr,
     points,
     specimen,
+    subsets,
     write,
-    zero,
 )
 
 
@@ -104,51 +107,9 @@ def test_increments_are_refused(tmp_path):
         read_series(tmp_path)
 
 
-def subsets(folder, columns=COLUMNS, frames=(0, 1, 2)):
-    """One file for each point, with a row for each frame."""
-    header = "FRAME COORDINATE_X COORDINATE_Y DISPLACEMENT_X DISPLACEMENT_Y SIGMA"
-    tables = [list(points(k, 10, y_up=False)) for k in frames]
-    for index in range(columns * ROWS):
-        rows = [f"{k} {' '.join(map(repr, t[index][:4]))} {-1 if t[index][4] else 0.1}" for k, t in enumerate(tables)]
-        (folder / f"DICe_solution_{index}.txt").write_text("\n".join([DICE_PREAMBLE + header, *rows]))
-
-
-def matrices(folder):
-    """One file for each field of each frame, with a decimal comma and Italian words for what is no number."""
-    for k in range(3):
-        cells = np.array([p[:4] for p in points(k, 0.5, y_up=False, deformed=True)]).reshape(ROWS, COLUMNS, 4)
-        for j, field in enumerate("XYUV"):
-            text = [[f"{value:.15g}".replace(".", ",") for value in row] for row in cells[..., j]]
-            if k and field in "UV":
-                text[LOST // COLUMNS][LOST % COLUMNS] = "Non un numero reale"
-            (folder / f"Image_{k:04d}_0.tif_{field}[mm].csv").write_text("\n".join(map(";".join, text)))
-
-
-def ncorr(folder):
-    """A structure array as MATLAB 7.3 saves it."""
-    h5py = pytest.importorskip("h5py", reason="h5py is not installed: Ncorr files cannot be written")
-    fields = [np.array([zero(*p)[2:] for p in points(k, 0.5, y_up=False)]).reshape(ROWS, COLUMNS, 2) for k in (1, 2)]
-    path = folder / "result.mat"
-    with h5py.File(path, "w", userblock_size=512) as file:
-        saved = file.create_group("data_dic_save")
-        for key, value in {"spacing": [[4.0]], "pixtounits": [[0.1]], "units": [[ord(c)] for c in "mm"]}.items():
-            saved[f"dispinfo/{key}"] = np.array(value)
-        for j, name in enumerate("uv"):
-            references = []
-            for k, each in enumerate(fields):
-                file[f"#refs#/{name}{k}"] = each[..., j].T
-                references.append([file[f"#refs#/{name}{k}"].ref])
-            saved.create_dataset(f"displacements/plot_{name}_ref_formatted", data=references, dtype=h5py.ref_dtype)
-    with open(path, "r+b") as handle:
-        handle.write(b"MATLAB 7.3 MAT-file, Platform: any")
-
-
-@pytest.mark.parametrize(
-    ("writer", "name", "step"),
-    [(subsets, "dice_subsets", 10), (matrices, "matchid_matrices", 0.5), (ncorr, "ncorr", 0.5)],
-)
-def test_series_that_are_no_table_a_frame_give_the_same_series(tmp_path, writer, name, step):
-    writer(tmp_path)
+@pytest.mark.parametrize("name", ASSEMBLED)
+def test_series_that_are_no_table_a_frame_give_the_same_series(tmp_path, name):
+    step = export(tmp_path, name)
     assert find_series(tmp_path).dialect.name == name
     series = read_series(tmp_path)
     assert series.unit == ("pixel" if step == 10 else "mm")
@@ -175,7 +136,7 @@ def test_broken_subsets_matrices_and_matlab_files_are_named(tmp_path):
 def test_broken_matrices_are_named(tmp_path):
     matrices(tmp_path)
     path = tmp_path / "Image_0001_0.tif_V[mm].csv"
-    path.write_text(path.read_text() + ";1")
+    path.write_text(path.read_text().rstrip() + ";1\n")
     with pytest.raises(DicError, match=r"V\[mm\]\.csv:5: 7 fields"):
         read_series(tmp_path)
     path.unlink()

@@ -178,10 +178,8 @@ def _number(cell: str, dialect: Dialect, layout: Layout, where: str, line: str) 
         # Neither a point among decimal commas nor Python's 1_0 is a number.
         return float("_" if "_" in word or (turned and "." in word) else word.replace(",", ".") if turned else word)
     except ValueError:
-        hint = ""
-        if "," in line and layout.delimiter != ",":
-            comma = "a decimal point among decimal commas" if turned else "decimal comma"
-            hint = f" ({comma}? export with decimal points)"
+        seen = ("." in word and "a decimal point among decimal commas") if turned else ("," in word and "decimal comma")
+        hint = f" ({seen}? export with decimal points)" if seen else ""
         raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
 
 
