@@ -125,10 +125,10 @@ def test_series_that_are_no_table_a_frame_give_the_same_series(tmp_path, name):
 def test_broken_subsets_matrices_and_matlab_files_are_named(tmp_path):
     subsets(tmp_path)
     path = tmp_path / "DICe_solution_4.txt"
-    path.write_text("\n".join(path.read_text().splitlines()[:-1]))
+    path.write_text("\n".join([*path.read_text().splitlines()[:-1], ""]))
     with pytest.raises(DicError, match=r"solution_4\.txt: frame 2 is not there"):
         read_series(tmp_path)
-    path.write_text("\n".join([*path.read_text().splitlines(), "2 1 2"]))
+    path.write_text("\n".join([*path.read_text().splitlines(), "2 1 2", ""]))
     with pytest.raises(DicError, match=r"solution_4\.txt:8: 3 fields"):
         read_series(tmp_path)
 

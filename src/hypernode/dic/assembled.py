@@ -1,15 +1,16 @@
 """Series whose files are not one table a frame: a file a subset, a matrix a field, one file for all."""
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
-from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
+from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import MATRIX, numbered
 from hypernode.dic.points import UNITS, Points, points_from
-from hypernode.dic.table import read_table
-from hypernode.dic.text import read_text
+from hypernode.dic.table import number_in, read_table
+from hypernode.dic.text import read_text, refuse_cut_lines
 
 
 def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
@@ -18,14 +19,17 @@ def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
     Raises:
         DicError: a file is broken, or lacks a frame that others have.
     """
+    refuse_cut_lines(files)
     rows: dict[int, list[Points]] = {}
     for path in files:
         cells, line, units, preamble = read_table(path, dialect)
         points = points_from(path, cells, line, units, preamble, dialect)
-        numbers = cells["FRAME"]
-        if len(set(numbers)) < len(numbers) or not np.isfinite(numbers).all():
-            raise DicError(f"{path}: a frame is there twice, or has no number")
+        numbers = cells["FRAME"].tolist()
         for k, number in enumerate(numbers):
+            if not number.is_integer():
+                raise DicError(f"{path}:{line[k]}: a frame has no number, or half a one: {number:g}")
+            if number in numbers[:k]:
+                raise DicError(f"{path}:{line[k]}: frame {number:g} is there twice")
             one = slice(k, k + 1)
             each = Points(path, points.position[one], points.displacement[one], points.line[one], points.unit)
             rows.setdefault(int(number), []).append(each)
@@ -49,6 +53,7 @@ def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]
     Raises:
         DicError: a matrix is absent, ragged or of another size than the others.
     """
+    refuse_cut_lines(files)
     fields: dict[str, dict[str, Path]] = {}
     for path in files:
         if match := MATRIX.match(path.name):
@@ -60,10 +65,14 @@ def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]
         for field in ("U", "V", "X", "Y"):
             if field not in one:
                 raise DicError(f"{path}: no matrix of {field} beside it: export U, V and the coordinates X and Y")
-        matrices = {field: _matrix(one[field]) for field in ("X", "Y", "U", "V")}
-        shapes = {field: matrix.shape for field, matrix in matrices.items()}
-        if len(set(shapes.values())) > 1:
-            raise DicError(f"{path}: matrices of different sizes: {shapes}")
+        matrices = {field: _matrix(one[field], dialect) for field in ("X", "Y", "U", "V")}
+        usual, _ = Counter(matrix.shape for matrix in matrices.values()).most_common(1)[0]
+        for field, matrix in matrices.items():
+            if matrix.shape != usual:
+                has, others = (" x ".join(map(str, shape)) for shape in (matrix.shape, usual))
+                raise DicError(
+                    f"{one[field]}: the matrix has {has} cells, those beside it have {others}: export it again"
+                )
         cells = {field.lower(): matrix.ravel() for field, matrix in matrices.items()}
         units = {field.lower(): MATRIX.match(one[field].name)["unit"] for field in matrices}
         line = np.repeat(np.arange(1, matrices["U"].shape[0] + 1), matrices["U"].shape[1])
@@ -71,20 +80,18 @@ def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]
     return frames
 
 
-def _matrix(path: Path) -> np.ndarray:
-    rows: list[list[float]] = []
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
+def _matrix(path: Path, dialect: Dialect) -> np.ndarray:
+    text, rows = read_text(path), []
+    decimal = "," if "," in text else "."
+    for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip():
             continue
-        cells = [cell.strip() for cell in line.replace(",", ".").split(";")]
-        if rows and len(cells) == len(rows[0]) + 1 and not cells[-1]:
+        cells = line.split(";")
+        if rows and len(cells) == len(rows[0]) + 1 and not cells[-1].strip():
             cells.pop()
         if rows and len(cells) != len(rows[0]):
             raise DicError(f"{path}:{number}: {len(cells)} fields, the first row has {len(rows[0])}")
-        try:
-            rows.append([np.nan if cell.lower() in NOT_A_NUMBER else float(cell) for cell in cells])
-        except ValueError:
-            raise DicError(f"{path}:{number}: not a number in {line[:60]!r}") from None
+        rows.append([number_in(cell, decimal, dialect.blanks, f"{path}:{number}", line) for cell in cells])
     if not rows:
         raise DicError(f"{path}:1: the file is empty")
     return np.array(rows)
@@ -111,8 +118,12 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
         raise DicError(f"{path}: not what Ncorr saves as data_dic_save: {error}") from None
     if unit.lower() not in UNITS:
         raise DicError(f"{path}: lengths in {unit!r}: analyse again in mm or pixels")
+    if len(u) != len(v):
+        raise DicError(f"{path}: {len(u)} fields of u and {len(v)} of v: save data_dic_save again")
     if any(each.shape != u[0].shape for each in (*u, *v)):
-        raise DicError(f"{path}: fields of different sizes")
+        raise DicError(f"{path}: fields of different sizes: save data_dic_save again")
+    if not (0.0 <= spacing < np.inf and 0.0 < scale < np.inf):
+        raise DicError(f"{path}: spacing {spacing:g} and pixtounits {scale:g}: set the units again and save")
     step = (spacing + 1.0) * (scale if UNITS[unit.lower()][0] == "mm" else 1.0)
     x, y = np.meshgrid(*(step * np.arange(n) for n in reversed(u[0].shape)))
     line = np.ones(x.size, dtype=int)

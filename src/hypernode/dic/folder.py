@@ -9,8 +9,8 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
-from hypernode.dic.table import HEAD_BYTES, layout_of
-from hypernode.dic.text import read_text
+from hypernode.dic.header import HEAD_BYTES, layout_of
+from hypernode.dic.text import read_text, shown
 
 SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", ".mat"}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
@@ -100,15 +100,16 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
 
 def _nothing(folder: Path, paths: list[Path], known) -> str:
     """What was seen in a folder without a series, and what is known."""
-    names = ", ".join(path.name for path in paths[:3]) + (", ..." if len(paths) > 3 else "")
+    expected = known[0].name if len(known) == 1 else "a format that is known"
     first = ""
     for path in paths[:1]:
         if path.suffix.lower() != ".mat":
             lines = read_text(path, HEAD_BYTES).splitlines() or [""]
             first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
-        f"{folder}: no frames: expected files such as Name0001.csv of {', '.join(d.name for d in known)}; "
-        f"found {names or 'no table'}{first}. Of any other table say format: table and its columns"
+        f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found "
+        f"{shown(path.name for path in paths) or 'no table'}{first}; for any other table say format: table and its "
+        "columns"
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial import Delaunay, cKDTree
+from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.points import Points
@@ -25,6 +25,9 @@ _UNKNOWN_SHARE = 0.05
 _LONGEST_SIDE = 2.0
 #: Share of a triangle by which a grid point may lie outside: rounding of the outermost points.
 _OUTSIDE = 0.02
+#: Largest number of grid points over that of measured ones: a narrow strip across the diagonal needs as many as its
+#: length is of its width.
+_EMPTIEST = 100
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,9 @@ def _refuse_twice(points: Points, place: np.ndarray) -> None:
     unique, counts = np.unique(place, return_counts=True)
     if (counts > 1).any():
         again = np.flatnonzero(place == unique[np.argmax(counts)])[1]
-        raise DicError(f"{points.path}:{points.line[again]}: the point {_shown(points, again)} is there twice")
+        # One is a slip; many are a sheet that shrank to a point.
+        units = ": are positions in another unit?" if 2 * len(unique) < len(place) else ""
+        raise DicError(f"{points.path}:{points.line[again]}: the point {_shown(points, again)} is there twice{units}")
 
 
 def grid_of(points: Points) -> ExactGrid | NearGrid:
@@ -176,11 +181,13 @@ def _near_grid(points: Points) -> NearGrid:
     position = points.position[:, :2]
     _refuse_twice(points, np.unique(position, axis=0, return_inverse=True)[1])
     step = _steps(points)
+    if np.prod(np.ptp(position, axis=0) / step + 1.0) > _EMPTIEST * len(position):
+        raise DicError(f"{points.path}: the points are scattered too widely for a grid")
     axes = [_axis(position[:, k], step[k]) for k in (0, 1)]
     step = np.array([axis[1] - axis[0] for axis in axes])
     grid = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2) / step
     # In steps, so that triangles and distances mean the same along both axes.
-    triangles = Delaunay(position / step)
+    triangles = _triangles(points, position / step)
     at = triangles.find_simplex(grid, tol=_OUTSIDE)
     sides = triangles.points[triangles.simplices]
     longest = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=-1).max(axis=1)
@@ -200,9 +207,16 @@ def _near_grid(points: Points) -> NearGrid:
     return NearGrid(*axes, nearby, step, corners, weights, (float(np.median(kept)), float(kept.max())))
 
 
+def _triangles(points: Points, position: np.ndarray) -> Delaunay:
+    try:
+        return Delaunay(position)
+    except QhullError:
+        raise DicError(f"{points.path}: the points lie on a line: no grid") from None
+
+
 def _steps(points: Points) -> np.ndarray:
     """Steps along x and y: the median length of those sides between neighbours that run nearly along each."""
-    triangles = Delaunay(points.position[:, :2])
+    triangles = _triangles(points, points.position[:, :2])
     pairs = np.concatenate([triangles.simplices[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     sides = np.abs(np.diff(triangles.points[pairs], axis=1)[:, 0])
     # Sides along the hull may be long; those of the inside are counted twice and outnumber them.

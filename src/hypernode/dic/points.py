@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
@@ -16,6 +17,9 @@ UNITS = {
     "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
     "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
 }  # fmt: skip
+#: Distance of a point of the reference from its neighbour, over that of the points in the median, from which its
+#: position is a mistake: a lost decimal sign makes it ten times as large.
+_STRAY = 10.0
 
 
 @dataclass(frozen=True)
@@ -99,3 +103,21 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
         found = [match[1] for text in preamble if (match := re.search(dialect.preamble_force, text))]
         force = float(found[0]) if found else None
     return Points(path, position[keep], u[keep], line[keep], unit, time, force)
+
+
+def refuse_strays(points: Points) -> None:
+    """Nothing, where every point of the reference has a neighbour.
+
+    Raises:
+        DicError: a point lies far from all others, as one does whose position is written wrongly.
+    """
+    if len(points.position) < 3:
+        return
+    distance = cKDTree(points.position[:, :2]).query(points.position[:, :2], k=2)[0][:, 1]
+    far = int(np.argmax(distance))
+    if distance[far] > _STRAY * np.median(distance) > 0.0:
+        place = " ".join(f"{value:g}" for value in points.position[far])
+        raise DicError(
+            f"{points.path}:{points.line[far]}: the point [{place}] lies {distance[far]:.4g} {points.unit} from every "
+            f"other, and those are {np.median(distance):.4g} {points.unit} apart: correct its position or leave it out"
+        )

@@ -13,8 +13,9 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.folder import Found, dialect_of, find_series
 from hypernode.dic.grid import NearGrid, grid_of
 from hypernode.dic.plane import plane_of
-from hypernode.dic.points import Points, read_points
+from hypernode.dic.points import Points, read_points, refuse_strays
 from hypernode.dic.series import Frame, Series
+from hypernode.dic.text import refuse_cut_lines
 from hypernode.dic.tilt import Tilt, tilt_of
 from hypernode.progress import say
 
@@ -80,6 +81,7 @@ def read_series(
     at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
     plane = plane_of(at_rest) if first.position.shape[1] == 3 else None
     at_rest = plane.seen(at_rest) if plane else at_rest
+    refuse_strays(at_rest)
     tilt = tilt_of(at_rest)
     at_rest = tilt.seen(at_rest) if tilt else at_rest
     grid = tilt.grid if tilt else grid_of(at_rest)
@@ -90,6 +92,7 @@ def read_series(
     out_of_plane = 0.0
     for number in wanted:
         points = _without_lost_zeros(read(number), dialect)
+        refuse_cut_lines((first.path, points.path))
         if (points.unit, points.position.shape[1]) != (first.unit, first.position.shape[1]):
             raise DicError(f"{points.path}: other columns or units ({points.unit}) than {first.path.name}")
         if plane:

@@ -1,101 +1,16 @@
-"""One table of a displacement file: recognised by its header, read into columns."""
+"""One table of a displacement file, read into columns."""
 
-import csv
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
-from hypernode.dic.text import read_text
+from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
+from hypernode.dic.text import read_text, shown
 
-#: Lines in which a header is looked for, and bytes of a file that hold them.
-HEAD_LINES, HEAD_BYTES = 300, 1 << 17
-_DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
 _WORDS = {"true": 1.0, "false": 0.0}
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Where a file's table begins, how its cells are told apart, and how many rows it says that it has."""
-
-    names: list[str]
-    delimiter: str
-    decimal: str
-    header: int
-    rows: int | None = None
-
-
-def _cells(line: str, delimiter: str) -> list[str]:
-    if delimiter == " ":
-        return line.split()
-    if '"' in line:
-        try:
-            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
-        except (csv.Error, StopIteration):
-            return []
-    return [cell.strip() for cell in line.split(delimiter)]
-
-
-def _bare(name: str) -> str:
-    """A column's name without its unit."""
-    return re.sub(r"\s*\[[^\]]*\]\s*$", "", name)
-
-
-def _names(line: str, delimiter: str) -> list[str]:
-    return _cells(line.lstrip("# "), delimiter)
-
-
-def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
-    """Where the table of a dialect begins among the lines of a file; ``None`` where the file is of another."""
-    if dialect.content == "davis8":
-        match = _DAVIS8.match(lines[0]) if lines else None
-        if match is None:
-            return None
-        unit, decimal = match[3], "," if any("," in line for line in lines[1:]) else "."
-        return Layout(
-            [f"x [{unit}]", f"y [{match[4]}]", f"u [{match[6]}]", f"v [{match[6]}]"],
-            "\t",
-            decimal,
-            0,
-            int(match[1]) * int(match[2]),
-        )
-    if not dialect.recognised:
-        return None
-    for index, line in enumerate(lines[:HEAD_LINES]):
-        for delimiter in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts):
-            names = _names(line, delimiter)
-            seen = {*names, *map(_bare, names)}
-            if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
-                continue
-            decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
-            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
-            return Layout(names, delimiter, "," if comma or decimals == {","} else ".", index)
-    return None
-
-
-def _refusal(path: Path, lines: list[str], dialect: Dialect) -> DicError:
-    """What is wrong with the header of a file that is not of its series' dialect."""
-    if not lines:
-        return DicError(f"{path}:1: the file is empty")
-    if not dialect.recognised:
-        return DicError(f"{path}:1: not a file of {dialect.software}, found {lines[0][:60]!r}")
-    delimiters = list(dict.fromkeys(delimiter for delimiter, _ in dialect.layouts))
-    best = max(delimiters, key=lambda delimiter: max(len(_names(line, delimiter)) for line in lines[:HEAD_LINES]))
-    width = [len(_names(line, best)) for line in lines[:HEAD_LINES]]
-    at = int(np.argmax(width))
-    if max(width) < 4:
-        signs = " or ".join(repr(delimiter) for delimiter in delimiters)
-        return DicError(f"{path}:1: the header must be separated by {signs}, found {lines[0][:60]!r}")
-    names = _names(lines[at], best)
-    missing = [name for name in dialect.recognised if name not in {*names, *map(_bare, names)}]
-    missing = missing or ["four columns"]
-    return DicError(
-        f"{path}:{at + 1}: no column {missing[0]!r} among {names}: export positions and displacements as "
-        f"{dialect.software} does, or say another format"
-    )
 
 
 def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, str], list[str]]:
@@ -109,7 +24,7 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     lines = read_text(path).splitlines()
     layout = layout_of(lines, dialect)
     if layout is None:
-        raise _refusal(path, lines, dialect)
+        raise refusal(path, lines, dialect)
     roles = _roles(path, layout, dialect)
     body = [(k, line) for k, line in enumerate(lines[layout.header + 1 :], start=layout.header + 2) if line.strip()]
     if not body:
@@ -157,22 +72,34 @@ def _row_by_row(path: Path, body, layout: Layout, columns: list[int], dialect: D
     width, values = len(layout.names), []
     quoted = any('"' in line for _, line in body[:2])
     for number, line in body:
+        where = f"{path}:{number}"
         if quoted:
-            fields = _cells(line, layout.delimiter)
+            fields = cells_of(line, layout.delimiter)
         else:
             fields = line.split(None if layout.delimiter == " " else layout.delimiter)
         if len(fields) != width:
-            raise DicError(f"{path}:{number}: {len(fields)} fields, the header has {width}")
-        values.append([_number(fields[k], dialect, layout, f"{path}:{number}", line) for k in columns])
+            raise DicError(f"{where}: {len(fields)} fields, the header has {width}")
+        values.append([number_in(fields[k], layout.decimal, dialect.blanks, where, line) for k in columns])
     return np.array(values)
 
 
-def _number(cell: str, dialect: Dialect, layout: Layout, where: str, line: str) -> float:
-    """A number, a word that stands for one, or an error that names the line."""
-    word, turned = cell.strip().lower(), layout.decimal == ","
+def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> float:
+    """The number in a cell, or that of a word that stands for one.
+
+    Args:
+        cell: its text.
+        decimal: the decimal sign of the file.
+        blanks: whether an empty cell or a word for "not a number" is one.
+        where: file and line, for messages.
+        line: the line, for messages.
+
+    Raises:
+        DicError: the cell holds none.
+    """
+    word, turned = cell.strip().lower(), decimal == ","
     if word in _WORDS:
         return _WORDS[word]
-    if dialect.blanks and word in NOT_A_NUMBER:
+    if blanks and word in NOT_A_NUMBER:
         return np.nan
     try:
         # Neither a point among decimal commas nor Python's 1_0 is a number.
@@ -185,18 +112,22 @@ def _number(cell: str, dialect: Dialect, layout: Layout, where: str, line: str) 
 
 def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
     """Role -> index of its column."""
-    bare = [_bare(name) for name in layout.names]
+    names = list(map(bare, layout.names))
     places = {}
     for role in ("x", "y", "u", "v", "z", "w"):
-        found = [bare.index(name) for name in getattr(dialect, role) if name in bare]
+        found = [names.index(name) for name in getattr(dialect, role) if name in names]
         if found:
             places[role] = found[0]
         elif role in "xyuv":
             raise DicError(
-                f"{path}:{layout.header + 1}: no column {' or '.join(getattr(dialect, role))!r} among {layout.names}"
+                f"{path}:{layout.header + 1}: no column {' or '.join(getattr(dialect, role))!r} among "
+                f"{shown(layout.names)}"
             )
     if not {"z", "w"} <= set(places):
         places = {role: k for role, k in places.items() if role not in "zw"}
     others = [name for name, _ in dialect.lost] + [dialect.time, dialect.force]
     others += ["FRAME"] if dialect.content == "subset" else []
-    return places | {name: bare.index(name) for name in others if name in bare}
+    twice = [layout.names[k] for k in places.values() if layout.names.count(layout.names[k]) > 1]
+    if twice:
+        raise DicError(f"{path}:{layout.header + 1}: two columns {twice[0]!r}: rename the one that does not count")
+    return places | {name: names.index(name) for name in others if name in names}

@@ -1,6 +1,7 @@
 """Text in whatever encoding a laboratory's software writes it."""
 
 import codecs
+from collections.abc import Iterable
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
@@ -31,3 +32,34 @@ def read_text(path: Path, limit: int = MAX_BYTES) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")
+
+
+def refuse_cut_lines(paths: Iterable[Path]) -> None:
+    """Nothing, where all files of one program end their last line, or none does.
+
+    A number that is cut is a number still, and no reader can tell: but its line has no end.
+
+    Raises:
+        DicError: some files end their last line and another, which is not empty, does not.
+    """
+    whole, cut = None, None
+    for path in paths:
+        with open(path, "rb") as handle:
+            size = handle.seek(0, 2)
+            handle.seek(max(size - 2, 0))
+            ended = handle.read().strip(b"\0")[-1:] in (b"\n", b"\r")
+        if not size:
+            continue
+        whole, cut = (whole or path, cut) if ended else (whole, cut or path)
+        if whole and cut:
+            line = len(read_text(cut).splitlines())
+            raise DicError(
+                f"{cut}:{line}: the last line has no end, as that of {whole.name} has: the file is cut off; copy or "
+                "export it again"
+            )
+
+
+def shown(names: Iterable[str], most: int = 100) -> str:
+    """Names for a message, as many characters of them as fit into it."""
+    text = ", ".join(map(repr, names))
+    return text if len(text) <= most else text[:most] + " ..."

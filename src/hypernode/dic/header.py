@@ -1,0 +1,109 @@
+"""The header of a displacement file: which dialect it shows, where its table begins, what is wrong with it."""
+
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.errors import DicError
+from hypernode.dic.text import shown
+
+#: Lines in which a header is looked for, and bytes of a file that hold them.
+HEAD_LINES, HEAD_BYTES = 300, 1 << 17
+_DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a file's table begins, how its cells are told apart, and how many rows it says that it has."""
+
+    names: list[str]
+    delimiter: str
+    decimal: str
+    header: int
+    rows: int | None = None
+
+
+def cells_of(line: str, delimiter: str) -> list[str]:
+    """The cells of a line, without quotes and blanks around them; a blank as delimiter is any run of blanks."""
+    if delimiter == " ":
+        return line.split()
+    if '"' in line:
+        try:
+            return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+        except (csv.Error, StopIteration):
+            return []
+    return [cell.strip() for cell in line.split(delimiter)]
+
+
+def bare(name: str) -> str:
+    """A column's name without its unit."""
+    return re.sub(r"\s*\[[^\]]*\]\s*$", "", name)
+
+
+def _names(line: str, delimiter: str) -> list[str]:
+    return cells_of(line.lstrip("# "), delimiter)
+
+
+def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
+    """Where the table of a dialect begins among the lines of a file; ``None`` where the file is of another."""
+    if dialect.content == "davis8":
+        match = _DAVIS8.match(lines[0]) if lines else None
+        if match is None:
+            return None
+        unit, decimal = match[3], "," if any("," in line for line in lines[1:]) else "."
+        return Layout(
+            [f"x [{unit}]", f"y [{match[4]}]", f"u [{match[6]}]", f"v [{match[6]}]"],
+            "\t",
+            decimal,
+            0,
+            int(match[1]) * int(match[2]),
+        )
+    if not dialect.recognised:
+        return None
+    for index, line in enumerate(lines[:HEAD_LINES]):
+        for delimiter in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts):
+            names = _names(line, delimiter)
+            seen = {*names, *map(bare, names)}
+            if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
+                continue
+            decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
+            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
+            return Layout(names, delimiter, "," if comma or decimals == {","} else ".", index)
+    return None
+
+
+def refusal(path: Path, lines: list[str], dialect: Dialect) -> DicError:
+    """What is wrong with the header of a file that is not of its series' dialect."""
+    if not lines:
+        return DicError(f"{path}:1: the file is empty")
+    if not dialect.recognised:
+        return DicError(f"{path}:1: not a file of {dialect.software}, found {lines[0][:60]!r}")
+    at, names = _most_like_a_header(lines, dialect)
+    where = f"{path}:{at + 1}"
+    if not names:
+        signs = " or ".join(repr(sign) for sign in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts))
+        return DicError(
+            f"{where}: not a file of {dialect.software}: the header must be separated by {signs} and have the columns "
+            f"{shown(dialect.recognised)}, found {lines[at][:60]!r}"
+        )
+    said = [f"no column {name!r}" for name in dialect.recognised if name not in {*names, *map(bare, names)}]
+    said += [f"a column {name!r}" for name in dialect.absent if name in names] + ["fewer than four columns"]
+    return DicError(
+        f"{where}: {said[0]} among {shown(names)}: export positions and displacements as {dialect.software} does, or "
+        "say another format"
+    )
+
+
+def _most_like_a_header(lines: list[str], dialect: Dialect) -> tuple[int, list[str]]:
+    """(index of the line with most of a dialect's columns, its columns); no columns where it has them as text only."""
+    known = {*dialect.recognised, *map(bare, dialect.recognised)}
+    best = (-1, -1, 0, [])
+    for at, line in enumerate(lines[:HEAD_LINES]):
+        for delimiter, _ in dialect.layouts:
+            names = _names(line, delimiter)
+            columns, words = len(known & set(map(bare, names))), sum(name in line for name in known)
+            if (columns, words) > best[:2]:
+                best = (columns, words, at, names if columns else [])
+    return best[2:]
