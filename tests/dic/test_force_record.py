@@ -11,54 +11,15 @@ from hypernode.dic.force_dialects import DIALECTS
 from hypernode.dic.force_matching import pull_record
 from hypernode.dic.force_record import read_force_record
 from hypernode.dic.frame_clock import FrameClock
+from tests.dic.records import RECORDS, text
 
-PLAIN = 'Time,Displacement,Force\n(s),(mm),(N)\n"0.0","0.0","1.5"\n"0.5","0.2","2.5"\n'
 # Every file below holds the same pull: 1.5 and 2.5 N at 0 and 0.5 s, the crosshead, if recorded, at 0 and 0.2 mm.
-FILES = {
-    "named_columns": PLAIN,
-    "named_axes": (
-        "Time,Displacement x,Displacement y,Force x,Force y\n(s),(mm),(mm),(N),(N)\n"
-        "0.0,0.0,0,1.5,0.7\n0.5,0.2,0.1,2.5,0.9\n"
-    ),
-    "named_axes_brackets": (
-        "Time (s),Displacement x (mm),Displacement y (mm),Force x (N),Force y (N)\n"
-        "0.0,0.0,0,1.5,0.7\n0.5,0.2,0.1,2.5,0.9\n"
-    ),
-    "bluehill_3": (
-        'Specimen label : "A",\nRate : 24.0,mm/min\n\n'
-        '"Results Table 1"\n"Time","Extension","Load"\n"(s)","(mm)","(kN)"\n'
-        '"0.0","0.0","0.0015"\n"0.5","0.2","0.0025"\n'
-    ),
-    "bluehill_universal": (
-        'Results Table\n,"Maximum Force (kN)"\n1,"1,234.5"\n\nRaw Data\nTime (s),Displacement (mm),Force (N)\n'
-        "0.0,0.0,1.5\n0.5,0.2,2.5\n"
-    ),
-    "zwick_testxpert": (
-        '"Probendicke"\t1,55\t"mm"\n"Prüfgeschwindigkeit"\t24\t"mm/min"\n\n"Prüfzeit"\t"Standardweg"\t"Standardkraft"\n'
-        '"s"\t"mm"\t"N"\n0,0\t0,0\t1,5\n0,5\t0,2\t2,5\n'
-    ),
-    "mts_testsuite": (
-        "File Path:,C:\\tests\\a\nTest:,pull\n\n\n"
-        '"Time ","Crosshead ","Load "\n"sec","mm","kN"\n0.0,0.0,0.0015\n0.5,0.2,0.0025\n'
-    ),
-    "cellscale_biotester": (
-        "SetName,Cycle,Time_S,Temperature,XSize_um,YSize_um,XDisplacement_um,YDisplacement_um,XForce_mN,YForce_mN\n"
-        "Pull,1-Stretch,0.0,34,7500,7500,0,0,1500,700\nPull,1-Stretch,0.5,34,7700,7600,200,100,2500,900\n"
-    ),
-    "davis_load": (
-        "Time;Image index (Image index);Strain (Extensometer);kilo Newton ADC channel 1\nms;;S;kN\n"
-        "0.0;1.000000;0;0.0015\n500.0;;0;0.0025\n"
-    ),
-    "davis_channels": "Index;ADC 1 channel 1 [N];Exposure time []\n1;1.5;50\n2;2.5;50\n",
-    "matchid_image": (
-        "File;TimeStamp;Force [V]; Force [N]\n"
-        "C:\\a\\Image_0000_0.tiff;0.0;0.006;1.5\nC:\\a\\Image_0001_0.tiff;0.5;0.01;2.5\n"
-    ),
-}
+FILES = {name: text(name, [0.0, 0.5], [0.0, 0.2], [1.5, 2.5]) for name in RECORDS}
+PLAIN = FILES["named_columns"]
 
 
-def record(tmp_path, text, encoding="utf-8", **choice):
-    (tmp_path / "force.csv").write_bytes(text.encode(encoding))
+def record(tmp_path, written, encoding="utf-8", **choice):
+    (tmp_path / "force.csv").write_bytes(written.encode(encoding))
     return read_force_record(tmp_path / "force.csv", **choice)
 
 
@@ -89,20 +50,29 @@ def test_each_axis_of_a_biaxial_machine_has_its_own_force(tmp_path):
 
 
 def test_a_cycle_is_chosen_by_its_names_and_otherwise_they_are_listed(tmp_path):
-    text = FILES["cellscale_biotester"] + "Pull,1-Recover,0.7,34,7700,7600,200,100,800,600\n"
-    read = record(tmp_path, text, set_name="Pull", cycle="1-Recover")
+    longer = FILES["cellscale_biotester"] + "Pull,1-Recover,0.7,34,7700,7600,200,100,800,600\n"
+    read = record(tmp_path, longer, set_name="Pull", cycle="1-Recover")
     np.testing.assert_allclose(read.force, [[0.8, 0.6]])
     with pytest.raises(DicError, match="choose one of Pull: 1-Stretch, 1-Recover"):
-        record(tmp_path, text)
+        record(tmp_path, longer)
 
 
 def test_a_channel_of_another_name_is_used_where_it_is_named(tmp_path):
-    text = "Time,Force,Small cell\n(s),(N),(mN)\n0,1,1500\n1,2,2500\n"
-    read = record(tmp_path, text, channel="small cell")
+    two = "Time,Force,Small cell\n(s),(N),(mN)\n0,1,1500\n1,2,2500\n"
+    read = record(tmp_path, two, channel="small cell")
     np.testing.assert_allclose(read.force[:, 0], [1.5, 2.5])
     assert read.channels == ("Small cell",)
     with pytest.raises(DicError, match=r"csv:1: no columns 'Large cell' among .*set force_channel"):
-        record(tmp_path, text, channel="Large cell")
+        record(tmp_path, two, channel="Large cell")
+
+
+def test_two_axes_of_named_columns_are_a_biaxial_machine(tmp_path):
+    two = "Time,Displacement x,Displacement y,Force x,Force y\n(s),(mm),(um),(N),(mN)\n0,0,0,1,1500\n1,0.1,200,2,2500\n"
+    read = record(tmp_path, two)
+    assert read.axes == ("x", "y") and read.channels == ("Force x", "Force y")
+    np.testing.assert_allclose(read.force, [[1.0, 1.5], [2.0, 2.5]])
+    np.testing.assert_allclose(read.displacement, [[0.0, 0.0], [0.1, 0.2]])
+    np.testing.assert_allclose(record(tmp_path, two, channel="Force y").force, [[1.5], [2.5]])
 
 
 @pytest.mark.parametrize("rows", ["0,000;1.234,5\n0,500;2.000,5", "0.0;1,234.5\n0.5;2,000.5", "0.0;1234.5\n0.5;2000.5"])
@@ -113,7 +83,7 @@ def test_decimal_commas_and_thousands_are_told_apart(tmp_path, rows):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("written", "message"),
     [
         ("Time;Force\n(s);(N)\n1;1,234\n2;2,345\n", r"csv:3: '1,234' may have a decimal comma or thousands"),
         (
@@ -130,9 +100,9 @@ def test_decimal_commas_and_thousands_are_told_apart(tmp_path, rows):
         ),
     ],
 )
-def test_what_can_be_read_in_two_ways_or_is_no_force_is_refused_with_its_line(tmp_path, text, message):
+def test_what_can_be_read_in_two_ways_or_is_no_force_is_refused_with_its_line(tmp_path, written, message):
     with pytest.raises(DicError, match=message):
-        record(tmp_path, text)
+        record(tmp_path, written)
 
 
 def test_a_program_that_is_named_and_did_not_write_the_file_is_an_error(tmp_path):
@@ -147,8 +117,8 @@ def pull(read, **changes):
 
 def test_forces_are_those_of_the_picture_where_pictures_are_numbered_and_their_mean_where_one_is_repeated(tmp_path):
     rows = ["0;1;9;1", "1000;;9;50", "2000;2;9;3", "3000;2;9;5"]
-    text = "Time;Image index (Image index);Strain;Load cell\nms;;S;N\n" + "\n".join(rows) + "\n"
-    matched = pull(record(tmp_path, text))
+    written = "Time;Image index (Image index);Strain;Load cell\nms;;S;N\n" + "\n".join(rows) + "\n"
+    matched = pull(record(tmp_path, written))
     np.testing.assert_array_equal(matched.forces(np.array([1, 2])), [1.0, 4.0])
     np.testing.assert_array_equal(matched.times(np.array([1, 2])), [0.0, 2.5])
     with pytest.raises(DicError, match="no sample of picture 3; it has 1 to 2"):

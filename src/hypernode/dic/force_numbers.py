@@ -52,14 +52,15 @@ def decimal_sign(cells: Iterable[tuple[int, str]]) -> str:
         (first, comma), (line, point) = proved[","], proved["."]
         raise AmbiguousNumbersError(
             line,
-            f"{point!r} has a decimal point and {comma!r} in line {first} a decimal comma: export it with one of them",
+            f"{point[:40]!r} has a decimal point and {comma[:40]!r} in line {first} a decimal comma: export it with one of "
+            "them",
         )
     if proved:
         return next(iter(proved))
     if doubtful:
         raise AmbiguousNumbersError(
             doubtful[0],
-            f"{doubtful[1]!r} may have a decimal comma or thousands: export it with decimal points and no thousands",
+            f"{doubtful[1][:40]!r} may have a decimal comma or thousands: export it with decimal points and no thousands",
         )
     return "."
 
@@ -72,6 +73,8 @@ def parse_number(text: str, decimal: str) -> float:
     """
     text = text.strip()
     thousands = "." if decimal == "," else ","
+    if "_" in text:
+        raise ValueError(f"{text!r} is not a number")
     if thousands in text:
         if not _GROUPED.match(text):
             raise ValueError(f"{text!r} is not a number")

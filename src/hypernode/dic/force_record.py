@@ -12,6 +12,7 @@ from hypernode.dic.force_dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_U
 from hypernode.dic.force_numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.force_table import Table, choose_cycle, read_table
 from hypernode.dic.series import Series
+from hypernode.dic.text import shown
 
 #: The number of a picture in its file's name: Image_0007_0.tiff is the seventh picture of camera 0.
 _PICTURE = re.compile(r"(?P<number>\d+)(?:_\d)?\.[A-Za-z]+$")
@@ -78,8 +79,7 @@ def read_force_record(
     if where[0] is not None:
         columns.insert(0, (where[0], _scale(table, where[0], TIME_UNITS, "time in (s)")))
     decimal = _decimal(table, [at for at, _ in columns])
-    samples = _samples(table, [at for at, _ in columns], decimal, timed=where[0] is not None)
-    values = samples * np.array([factor for _, factor in columns])
+    values = _samples(table, columns, decimal, timed=where[0] is not None)
     _not_volts(table, forces, values[:, -len(forces) :], decimal)
     return ForceRecord(
         path,
@@ -117,7 +117,7 @@ def _channel(table: Table, channel: str) -> int:
     at = [k for k, names in enumerate(zip(full, table.names, strict=True)) if wanted in names]
     if len(at) != 1:
         raise DicError(
-            f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {table.header}: "
+            f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {shown(table.header)}: "
             "set force_channel to the whole name of one"
         )
     return at[0]
@@ -138,13 +138,19 @@ def _force_columns(table: Table, channel: str | dict[str, str] | None) -> dict[s
     if not at and volts:
         return {PULL: volts[0]}
     found = [table.header[k] for k in at]
-    raise DicError(f"{table.path}:{table.line}: {len(at) or 'no'} columns in N {found}: set force_channel to one")
+    raise DicError(
+        f"{table.path}:{table.line}: {len(at) or 'no'} columns in N among {shown(found or table.header)}: set "
+        "force_channel to one"
+    )
 
 
 def _unit_that_is_a_force(table: Table, names: tuple[str, ...]) -> int:
     """Of columns of one name, that in N before that in V."""
     at = [k for k, name in enumerate(table.names) if name in names]
-    return next((k for k in at if table.units[k] in FORCE_UNITS), at[0])
+    forces = [k for k in at if table.units[k] in FORCE_UNITS]
+    if len({(table.header[k], table.units[k]) for k in forces}) < len(forces):
+        raise DicError(f"{table.path}:{table.line}: two columns {table.header[forces[0]]!r}: rename the other one")
+    return (forces or at)[0]
 
 
 def _scale(table: Table, column: int, known: dict[str, float], wanted: str) -> float:
@@ -159,35 +165,32 @@ def _scale(table: Table, column: int, known: dict[str, float], wanted: str) -> f
     if unit not in known:
         what = "the line of units" if table.dialect.units == "row" else "the header"
         raise DicError(
-            f"{table.path}:{line}: {what} must give {wanted}, found {unit!r} for {table.header[column]!r}; "
+            f"{table.path}:{line}: {what} must give {wanted}, found {unit[:40]!r} for {table.header[column][:80]!r}; "
             f"known are {', '.join(known)}"
         )
     return known[unit]
 
 
 def _decimal(table: Table, columns: list[int]) -> str:
-    cells = ((line, cells[k]) for line, cells in table.rows for k in columns if k < len(cells))
+    cells = ((line, cells[k]) for line, cells in table.rows for k in columns)
     try:
         return decimal_sign(cells)
     except AmbiguousNumbersError as error:
         raise DicError(f"{table.path}:{error.line}: {error}") from None
 
 
-def _samples(table: Table, columns: list[int], decimal: str, timed: bool) -> np.ndarray:
-    """Numbers of the columns (sample, column), every one of them finite, the first never decreasing if it is time."""
-    if not table.rows:
-        raise DicError(f"{table.path}: needs a header, a line of units and at least one sample")
+def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed: bool) -> np.ndarray:
+    """Numbers of columns (sample, column) times their factors, finite, the first never decreasing if it is time."""
     samples: list[list[float]] = []
     for line, cells in table.rows:
         try:
-            samples.append([parse_number(cells[k], decimal) for k in columns])
-        except (ValueError, IndexError):
+            samples.append([parse_number(cells[k], decimal) * factor for k, factor in columns])
+        except ValueError:
             raise DicError(f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}") from None
-        if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
-            unit = table.units[columns[0]] or "s"
-            raise DicError(f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} {unit}")
         if not np.isfinite(samples[-1]).all():
-            raise DicError(f"{table.path}:{line}: not finite")
+            raise DicError(f"{table.path}:{line}: not finite: {','.join(cells)[:60]!r}")
+        if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
+            raise DicError(f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s")
     return np.array(samples)
 
 
@@ -199,23 +202,29 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
         return None
     try:
         values = np.array([[parse_number(cells[k], decimal) for k in columns] for _, cells in table.rows])
-    except (ValueError, IndexError):
+    except ValueError:
         return None
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
 
 
 def _pictures(table: Table, column: int, needed: bool) -> np.ndarray:
     """Number of every sample's picture; NaN where it has none, which is an error where nothing else tells its time."""
-    numbers = []
+    numbers, last = [], -np.inf
     for line, cells in table.rows:
-        cell = cells[column].strip() if column < len(cells) else ""
+        cell = cells[column].strip()
         match = _PICTURE.search(cell)
         try:
-            numbers.append(float(match["number"] if match else cell.replace(",", ".") or "nan"))
+            number = parse_number(match["number"] if match else cell.replace(",", ".") or "nan", ".")
         except ValueError:
-            raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture") from None
-        if needed and not np.isfinite(numbers[-1]):
+            number = np.inf
+        if np.isinf(number) or not (np.isnan(number) or number.is_integer()):
+            raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture")
+        if needed and np.isnan(number):
             raise DicError(f"{table.path}:{line}: neither a time nor the number of a picture")
+        if number < last:
+            raise DicError(f"{table.path}:{line}: pictures go back from {last:g} to {number:g}")
+        last = last if np.isnan(number) else number
+        numbers.append(number)
     return np.array(numbers)
 
 
@@ -224,7 +233,7 @@ def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal
     for volts in (k for k, unit in enumerate(table.units) if unit in VOLTS):
         try:
             raw = np.array([parse_number(cells[volts], decimal) for _, cells in table.rows])
-        except (ValueError, IndexError):
+        except ValueError:
             continue
         for column, at in enumerate(forces.values()):
             if np.array_equal(raw, values[:, column]) and np.ptp(raw) > 0:

@@ -9,9 +9,14 @@ from pathlib import Path
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_dialects import DIALECTS, Dialect
-from hypernode.dic.text import read_text
+from hypernode.dic.text import read_text, shown
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
+_TOO_SHORT = "needs a header, a line of units and at least one sample"
+#: Letters of the names of cycles in a message.
+LONGEST_LIST = 200
+#: Number of a line, and its cells.
+Row = tuple[int, list[str]]
 _SUFFIX = re.compile(r"^(?P<name>.*)_(?P<unit>[^_]+)$")
 
 
@@ -25,7 +30,7 @@ class Table:
     header: list[str]
     names: list[str]
     units: list[str]
-    rows: list[tuple[int, list[str]]]
+    rows: list[Row]
 
     def find(self, names: tuple[str, ...]) -> int | None:
         """Column of the first of these names that the header has."""
@@ -48,7 +53,7 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = ()) -> 
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
-    first = None
+    first: list[Row] = []
     for each in known:
         for delimiter in each.delimiters:
             rows = _cut(path, text, delimiter)
@@ -56,31 +61,34 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = ()) -> 
             table = _in_dialect(path, rows, each, channels)
             if table is not None:
                 return table
-    shown = (first or [[]])[0] if first else []
-    if len(first or []) < 3:
-        raise DicError(f"{path}: needs a header, a line of units and at least one sample")
+    if len(first) < 3:
+        raise DicError(f"{path}: {_TOO_SHORT}")
+    program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
-        f"{path}:1: no column 'Force' or 'Time' among {str(shown)[:200]}, and the header of no known program "
-        f"({', '.join(each.program for each in known)}): rename the columns, or set force_format and force_channel"
+        f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: rename the "
+        "columns, or set force_format and force_channel"
     )
 
 
-def _cut(path: Path, text: str, delimiter: str) -> list[list[str]]:
+def _cut(path: Path, text: str, delimiter: str) -> list[Row]:
+    """(line on which it ends, cells) of every row."""
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True)
     try:
-        return list(csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True))
+        return [(reader.line_num, row) for row in reader]
     except csv.Error as error:
-        raise DicError(f"{path}: cannot be read: {error}") from None
+        raise DicError(f"{path}:{reader.line_num}: cannot be read: {error}") from None
 
 
-def _in_dialect(path: Path, rows: list[list[str]], dialect: Dialect, channels: Sequence[str]) -> Table | None:
+def _in_dialect(path: Path, rows: list[Row], dialect: Dialect, channels: Sequence[str]) -> Table | None:
     """The table below the first line that is this dialect's header; None where there is none."""
-    if dialect.begins and not (rows and rows[0] and rows[0][0].strip().lower().startswith(dialect.begins)):
+    first = rows[0][1] if rows else []
+    if dialect.begins and not (first and first[0].strip().lower().startswith(dialect.begins)):
         return None
     forces = [] if channels else dialect.force.values()
     wanted = [names for names in (dialect.time, *forces) if names]
     wanted += [(name,) for name in (*dialect.also, *(dialect.cycles or ()))]
     wanted += [dialect.image] if dialect.image else []
-    for at, row in enumerate(rows[: dialect.preamble + 1]):
+    for at, (line, row) in enumerate(rows[: dialect.preamble + 1]):
         pairs = [_name_and_unit(cell, dialect.units) for cell in row]
         names = [name for name, _ in pairs]
         if not all(any(name in names for name in group) for group in wanted):
@@ -88,15 +96,38 @@ def _in_dialect(path: Path, rows: list[list[str]], dialect: Dialect, channels: S
         units = [unit for _, unit in pairs]
         below = at + 1
         if dialect.units == "row":
-            units = [cell.strip().strip("()[]").strip() for cell in rows[below]] if below < len(rows) else []
+            units = [cell.strip().strip("()[]").strip() for cell in rows[below][1]] if below < len(rows) else []
             below += 1
             if len(units) != len(names):
-                raise DicError(f"{path}:{below}: {len(units)} units for {len(names)} columns")
+                raise DicError(f"{path}:{line + 1}: {len(units)} units for {len(names)} columns")
         elif dialect.units == "brackets" and not any(units):
             continue
-        body = [(k, cells) for k, cells in enumerate(rows[below:], start=below + 1) if any(map(str.strip, cells))]
-        return Table(path, dialect, at + 1, [cell.strip() for cell in row], names, units, body)
+        header = [cell.strip() for cell in row]
+        return Table(path, dialect, line, header, names, units, _samples(path, header, rows[below:]))
     return None
+
+
+def _samples(path: Path, header: list[str], rows: list[Row]) -> list[Row]:
+    """The rows that are not empty, each with as many cells as the header, but for empty ones at their ends."""
+    samples, width = [], _filled(header)
+    for line, cells in rows:
+        if not _filled(cells):
+            continue
+        if any("\n" in cell for cell in cells):
+            begin = line - sum(cell.count("\n") for cell in cells)
+            raise DicError(f"{path}:{max(begin, 1)}: a quoted cell does not end in its line: {','.join(cells)[:60]!r}")
+        if not width <= len(cells) or _filled(cells) > len(header):
+            hint = ", as with decimal commas that are not quoted" if _filled(cells) > len(header) else ""
+            raise DicError(f"{path}:{line}: not a sample: {len(cells)} cells, the header has {len(header)}{hint}")
+        samples.append((line, cells))
+    if not samples:
+        raise DicError(f"{path}: {_TOO_SHORT}")
+    return samples
+
+
+def _filled(cells: list[str]) -> int:
+    """Number of cells without the empty ones at the end."""
+    return max((k for k, cell in enumerate(cells, start=1) if cell.strip()), default=0)
 
 
 def _name_and_unit(cell: str, units: str) -> tuple[str, str]:
@@ -120,8 +151,6 @@ def choose_cycle(table: Table, set_name: str | None, cycle: str | None) -> Table
     at = [table.names.index(name) for name in table.dialect.cycles]
     by_cycle: dict[tuple[str, str], list] = {}
     for line, cells in table.rows:
-        if len(cells) <= max(at):
-            raise DicError(f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}")
         by_cycle.setdefault((cells[at[0]].strip(), cells[at[1]].strip()), []).append((line, cells))
     chosen = [key for key in by_cycle if set_name in (None, key[0]) and cycle in (None, key[1])]
     if len(chosen) != 1:
@@ -129,6 +158,7 @@ def choose_cycle(table: Table, set_name: str | None, cycle: str | None) -> Table
         for name, each in by_cycle:
             sets.setdefault(name, []).append(each)
         listed = "; ".join(f"{name}: {', '.join(cycles)}" for name, cycles in sets.items())
+        listed = listed if len(listed) <= LONGEST_LIST else f"{listed[:LONGEST_LIST]} ..."
         raise DicError(
             f"{table.path}: {len(chosen) or 'none'} of {len(by_cycle)} cycles fit force_set = {set_name} and "
             f"force_cycle = {cycle}: choose one of {listed}"
