@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterable
 
+#: Letters of a number that a message shows.
+_SHOWN = 40
 _NUMBER = re.compile(r"^[+-]?(?P<digits>[\d.,]*\d[\d.,]*)(?:[eE][+-]?\d+)?$")
 _GROUPED = re.compile(r"^[+-]?[1-9]\d{0,2}(?P<sign>[.,])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?(?:[eE][+-]?\d+)?$")
 
@@ -45,22 +47,21 @@ def decimal_sign(cells: Iterable[tuple[int, str]]) -> str:
         text = text.strip()
         sign = _decimal_of(text)
         if sign:
-            proved.setdefault(sign, (line, text))
+            proved.setdefault(sign, (line, text[:_SHOWN]))
         elif sign == "" and "," in text:
-            doubtful = doubtful or (line, text)
+            doubtful = doubtful or (line, text[:_SHOWN])
     if len(proved) == 2:
         (first, comma), (line, point) = proved[","], proved["."]
         raise AmbiguousNumbersError(
             line,
-            f"{point[:40]!r} has a decimal point and {comma[:40]!r} in line {first} a decimal comma: export it with one of "
-            "them",
+            f"{point!r} has a decimal point and {comma!r} in line {first} a decimal comma: export it with one of them",
         )
     if proved:
         return next(iter(proved))
     if doubtful:
         raise AmbiguousNumbersError(
             doubtful[0],
-            f"{doubtful[1][:40]!r} may have a decimal comma or thousands: export it with decimal points and no thousands",
+            f"{doubtful[1]!r} may have a decimal comma or thousands: export it with decimal points and no thousands",
         )
     return "."
 
