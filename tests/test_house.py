@@ -42,7 +42,7 @@ ALLOWED = {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("synthetic", "identification", "training", "evaluation"),
     },
-    "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables"},
+    "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables", "stages"},
     "__main__": {"cli"},
     "__init__": {"material"},
 }

@@ -156,7 +156,25 @@ def idle(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_audit, add_verdict, add_schema, add_idle)
+def add_export(commands) -> None:
+    """``export-csv``."""
+    parser = commands.add_parser(
+        "export-csv", help="write a measurement as frames, force records and the configuration that imports them again"
+    )
+    parser.add_argument("measurement", type=Path, help="results/CASE/measurement.nc")
+    parser.add_argument("folder", type=Path, help="a new folder")
+    parser.set_defaults(run=export_csv)
+
+
+def export_csv(arguments) -> int:
+    """Write the export and print where its configuration is."""
+    from hypernode.stages.export_csv import run
+
+    print(run(arguments.measurement, arguments.folder))
+    return 0
+
+
+COMMANDS = (add_audit, add_verdict, add_schema, add_export, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -1,0 +1,103 @@
+"""The tests of a measurement as cameras and a machine would have recorded them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+
+from hypernode.data.measurement import measured_displacement, mesh_of, relaxation
+from hypernode.dic.errors import DicError
+from hypernode.dic.series import Frame, Series
+from hypernode.fem.mesh import EDGE_NAMES
+from hypernode.mechanics.loads import CONSTRAINED
+
+#: Load -> axes along which the force must be known, and those along which it is recorded where it is.
+_AXES = {
+    "clamped_x": ("x", ""),
+    "uniaxial_x": ("x", ""),
+    "clamped_y": ("y", ""),
+    "uniaxial_y": ("y", ""),
+    "biaxial": ("xy", ""),
+    "shear": ("x", "y"),
+    "general": ("", "xy"),
+}
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One test of a measurement, the reference first.
+
+    Attributes:
+        load: as a specimen's configuration names it.
+        series: its frames, on all points of the grid; NaN where one was lost or there is no material.
+        displacement, force: of the machine by axis, "x" or "y", in the units of the measurement.
+    """
+
+    load: str
+    series: Series
+    displacement: dict[str, Float[np.ndarray, " frame"]]
+    force: dict[str, Float[np.ndarray, " frame"]]
+
+
+def load_cases(measurement: xr.Dataset, path: Path) -> list[LoadCase]:
+    """The tests of a measurement: means over its repeats, and the forces of an elastic sheet.
+
+    Args:
+        measurement: an opened file.
+        path: of the file, for messages.
+
+    Raises:
+        DicError: a load step carries no known force.
+    """
+    mesh, u = mesh_of(measurement), measured_displacement(measurement)
+    x, y = mesh.lines
+    elastic = measurement["edge_force"].values / relaxation(measurement)
+    cases = []
+    for number in range(int(measurement["load_case"].max()) + 1):
+        steps = np.flatnonzero(measurement["load_case"].values == number)
+        frames = np.full((len(steps) + 1, len(y) * len(x), 2), np.nan)
+        frames[0, mesh.places], frames[1:, mesh.places] = 0.0, u[steps]
+        series = Series(x, y, [Frame(k, each.reshape(len(y), len(x), 2)) for k, each in enumerate(frames)], "mm")
+        H = measurement["H"].values[steps]
+        load = load_of(measurement["edge_constrained"].values[steps[0]] > 0, H)
+        required, further = _AXES[load]
+        force = {}
+        for axis in (*required, *further):
+            along = _along(elastic[steps], load, axis)
+            if np.isfinite(along).all():
+                force[axis] = np.append(0.0, along)
+            elif axis in required:
+                step = steps[int(np.argmax(np.isnan(along)))]
+                raise DicError(f"{path}: load step {step} carries no known force along {axis}")
+        if not force:
+            raise DicError(f"{path}: no step of load case {number} carries a known force")
+        cases.append(LoadCase(load, series, {axis: _moved(H, mesh.size, load, axis) for axis in force}, force))
+    return cases
+
+
+def _along(force: Float[np.ndarray, "step edge 2"], load: str, axis: str) -> Float[np.ndarray, " step"]:
+    """Pull of the machine along an axis: the mean of those at both ends of the sheet that are known, else NaN."""
+    component = "xy".index(axis)
+    ends = ("bottom", "top") if load == "shear" or axis == "y" else ("left", "right")
+    low, high = (force[:, EDGE_NAMES.index(edge), component] for edge in ends)
+    seen = np.stack([-low, high])
+    known = np.isfinite(seen)
+    total = np.where(known, seen, 0.0).sum(axis=0)
+    return np.divide(total, known.sum(axis=0), out=np.full(len(total), np.nan), where=known.any(axis=0))
+
+
+def _moved(H: Float[np.ndarray, "step 2 2"], size: Float[np.ndarray, " 2"], load: str, axis: str):
+    """How far the machine moved along an axis, the reference first."""
+    normal = 1 if load == "shear" else "xy".index(axis)
+    return np.append(0.0, H[:, "xy".index(axis), normal] * size[normal])
+
+
+def load_of(constrained: Bool[np.ndarray, "4 2"], H: Float[np.ndarray, "step 2 2"]) -> str:
+    """The load of a specimen, from the edges and components that are held and from how they move."""
+    held = {(EDGE_NAMES[edge], component) for edge, component in np.argwhere(constrained).tolist()}
+    kinds = [kind for kind, pairs in CONSTRAINED.items() if set(pairs) == held and kind in _AXES]
+    if "shear" in kinds:
+        return "shear" if np.abs(H[:, 0, 1]).max() > np.abs(H[:, 1, 1]).max() else "clamped_y"
+    return kinds[0] if kinds else "general"
