@@ -8,18 +8,20 @@ from hypernode.config.sources import read_yaml
 from hypernode.config.specimens import Specimen
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_record import read_force_record
-from hypernode.dic.load_cases import load_of
 from hypernode.dic.reading import read_series
-from hypernode.dic.specimen import import_test
+from hypernode.dic.recorded import load_of
+from hypernode.dic.specimen import import_specimen
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED, make_load
 from hypernode.stages import export_csv
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, SYNTHETIC_UNITS, read, write
 
 X, Y = np.arange(7) / 6.0, np.linspace(0.0, 1.4, 9)
-STRETCHES = {kind: [(s, s) if kind == "biaxial" else s for s in (1.03, 1.07, 1.1)] for kind in CONSTRAINED}
+# What a general test does to a sheet, no kind of load says.
+KINDS = [kind for kind in CONSTRAINED if kind != "general"]
+STRETCHES = {kind: [(s, s) if kind == "biaxial" else s for s in (1.03, 1.07, 1.1)] for kind in KINDS}
 #: Loads of a specimen by those of a synthetic test.
-LOADS = {kind: "biaxial" if kind == "equibiaxial" else kind for kind in CONSTRAINED}
+LOADS = {kind: {"equibiaxial": "biaxial", "biaxial_clamped": "general"}.get(kind, kind) for kind in KINDS}
 
 
 def measurement(folder, kinds=("clamped_y",), units=SYNTHETIC_UNITS, noise=0.01, repeats=2, y=Y, **changes):
@@ -43,10 +45,11 @@ def measurement(folder, kinds=("clamped_y",), units=SYNTHETIC_UNITS, noise=0.01,
     variables = {
         "X": mesh.nodes, "cells": mesh.cells, "corners": np.stack([mesh.lower, mesh.upper]), "u_measured": u,
         "load_case": np.repeat(np.arange(len(kinds)), 3), "stretch": 1.0 + H.max(axis=(1, 2)), "H": H,
-        "edge_force": force, "edge_constrained": held, "relaxation": np.ones(len(H)), **changes,
+        "edge_force": force, "edge_constrained": held, "relaxation": np.ones(len(H)),
+        "noise_level": np.full((len(H), 2), noise), "noise_scatter": np.full((len(H), 2), noise), **changes,
     }  # fmt: skip
     attributes = {
-        "units": units, "load_cases": list(kinds), "outline": "edge", "thickness": 1.55, "displacement_noise": noise,
+        "units": units, "load_cases": list(kinds), "outline": "edge", "thickness": 1.55, "forces": "measured",
         "force_uncertainty": 0.02, "correlation_window": 0.1,
     }  # fmt: skip
     path = folder / "results/sheet/measurement.nc"
@@ -73,7 +76,7 @@ def on_nodes(series, data):
     return np.stack([frame.displacement[row, column] for frame in series.frames[1:]])
 
 
-@pytest.mark.parametrize("kind", CONSTRAINED)
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_load_case_is_read_back_to_the_same_bits(tmp_path, kind):
     path = measurement(tmp_path, ("clamped_y", kind))
     data, (specimen, _) = read(path), exported(path, tmp_path)
@@ -91,7 +94,7 @@ def test_every_load_case_is_read_back_to_the_same_bits(tmp_path, kind):
         np.testing.assert_array_equal(record.time * test["frame_rate"], np.arange(4))
         edge = EDGE_NAMES.index("right" if test["load"].endswith("_x") else "top")
         for axis in {"clamped_y": "y", "uniaxial_y": "y", "clamped_x": "x", "uniaxial_x": "x"}.get(test["load"], "xy"):
-            at = EDGE_NAMES.index("right") if (axis, test["load"]) == ("x", "biaxial") else edge
+            at = EDGE_NAMES.index("right") if axis == "x" and test["load"] in ("biaxial", "general") else edge
             force = data["edge_force"].values[steps, at, "xy".index(axis)]
             np.testing.assert_array_equal(record.force[:, record.column(axis)], [0.0, *force])
         assert (np.diff(record.displacement[:, 0]) > 0.0).all()
@@ -100,11 +103,11 @@ def test_every_load_case_is_read_back_to_the_same_bits(tmp_path, kind):
 def test_the_configuration_imports_one_test_to_the_same_bits(tmp_path):
     path = measurement(tmp_path)
     data, (specimen, _) = read(path), exported(path, tmp_path)
-    assert specimen.pop("outline") == "edge"
     specimen = Specimen.model_validate(specimen)
-    assert specimen.displacement_noise == 0.01 / np.sqrt(2.0) and specimen.thickness == 1.55
+    assert specimen.outline == "edge" and specimen.thickness == 1.55
+    assert specimen.noise_mm == pytest.approx(0.01 / np.sqrt(2.0), rel=1e-15)
     assert (specimen.correlation_window, specimen.force_uncertainty) == (0.1, 0.02)
-    test = import_test(specimen)
+    test = import_specimen(specimen)
     place = [int(np.flatnonzero((test.mesh.nodes == node).all(axis=1))[0]) for node in data["X"].values]
     np.testing.assert_array_equal(test.u[:, place], mean_of_repeats(data))
     held = data["edge_constrained"].values > 0
@@ -162,7 +165,7 @@ def test_the_command_names_the_configuration_and_overwrites_nothing(tmp_path, ca
     assert "other.nc: is no measurement" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("kind", CONSTRAINED)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_load_is_told_from_what_is_held_and_how_it_moves(kind):
     load, held = make_load(kind, STRETCHES[kind]), np.zeros((4, 2), bool)
     for edge, component in load.constrained:
@@ -170,3 +173,28 @@ def test_a_load_is_told_from_what_is_held_and_how_it_moves(kind):
     assert load_of(held, load.H) == LOADS[kind]
     held[0, 1] = not held[0, 1]
     assert load_of(held, load.H) == "general"
+
+
+def test_several_tests_are_imported_again_onto_one_grid_with_their_loads_and_forces(tmp_path):
+    kinds = ("biaxial", "uniaxial_x", "shear")
+    path = measurement(tmp_path, kinds, noise=0.0)
+    data, (specimen, _) = read(path), exported(path, tmp_path)
+    sheet = import_specimen(Specimen.model_validate(specimen))
+    place = [int(np.flatnonzero((sheet.mesh.nodes == node).all(axis=1))[0]) for node in data["X"].values]
+    np.testing.assert_allclose(sheet.u[:, place], mean_of_repeats(data), atol=1e-12)
+    np.testing.assert_array_equal(sheet.load_case, data["load_case"])
+    np.testing.assert_array_equal(sheet.constrained, data["edge_constrained"])
+    known = np.isfinite(sheet.edge_force)
+    np.testing.assert_allclose(sheet.edge_force[known], data["edge_force"].values[known], rtol=1e-12)
+    assert [known[steps].any(axis=0).sum() for steps in (slice(0, 3), slice(3, 6), slice(6, 9))] == [4, 2, 2]
+
+
+def test_a_sheet_whose_force_nobody_recorded_is_written_without_a_record(tmp_path):
+    path = measurement(tmp_path)
+    data = read(path)
+    attributes = {**data.attrs, "units": SYNTHETIC_UNITS, "load_cases": ["clamped_y"], "forces": "assumed"}
+    other = tmp_path / "assumed.nc"
+    write(other, {name: data[name].values for name in data.variables}, "measurement", attributes)
+    written = export_csv.run(other, tmp_path / "out")
+    (specimen,) = read_yaml(written).content["specimens"].values()
+    assert specimen["force_file"] is None and not (tmp_path / "out/test0/force_disp.csv").exists()

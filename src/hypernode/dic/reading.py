@@ -73,10 +73,7 @@ def read_series(
     implied = not dialect.reference and bool(np.nan_to_num(first.displacement).any())
     reference = available[0] - implied
     wanted = sorted(set(available if numbers is None else numbers) - {reference})
-    absent = [n for n in wanted if n not in available]
-    if absent:
-        near = min(available, key=lambda n: abs(n - absent[0]))
-        raise DicError(f"{folder}: frame {absent[0]} is not there; the nearest is {near}")
+    _refuse_absent(folder, wanted, available)
     _tell(folder, dialect, first, reference, implied)
     at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
     plane = plane_of(at_rest) if first.position.shape[1] == 3 else None
@@ -108,6 +105,13 @@ def read_series(
     files = tuple(found.files[number] for number in used)
     x, y = grid.x - grid.x[0], grid.y - grid.y[0]
     return Series(x, y, frames, first.unit, out_of_plane, files, tilt.degrees if tilt else 0.0)
+
+
+def _refuse_absent(folder: Path, wanted: list[int], available: list[int]) -> None:
+    absent = [n for n in wanted if n not in available]
+    if absent:
+        near = min(available, key=lambda n: abs(n - absent[0]))
+        raise DicError(f"{folder}: frame {absent[0]} is not there; the nearest is {near}")
 
 
 def _source(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int], Points]]:

@@ -17,11 +17,13 @@ import sys
 import numpy as np
 
 from hypernode.config.methods import Constrained
+from hypernode.data.measurement import with_independent_errors
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.gauss_newton import descend, described
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+from hypernode.progress import say
 from hypernode.verdict import Ending
 
 
@@ -31,13 +33,10 @@ def likeliest(*tried: Estimate) -> Estimate:
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
-    """The material field that explains a measurement: the stiffness alone, then the terms of the basis.
+    """The material field that explains a measurement, or comes nearest to it; see :func:`_identified`.
 
-    None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
-    Where the terms leave it ambiguous, all at once are released from the homogeneous sheet, since a stiffness that had
-    to stand for other terms may mislead; where they underfit the test, the further terms as well, which
-    would only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and
-    perturbed or divided.
+    Where errors that points or steps seem to share are weighed so that the field explains less than it should, they are
+    no errors but deformation: then each counts as an independent one.
 
     Args:
         measurement: an opened measurement.
@@ -46,6 +45,24 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
+    """
+    found = _identified(measurement, settings, name, strategy)
+    if found.problem.observations.scatter < 1.0 and found.misfits["displacement"] > strategy.unexplained:
+        misfit = found.misfits["displacement"]
+        say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
+        found = _identified(with_independent_errors(measurement), settings, name, strategy)
+    _warn(found, settings, name)
+    return found
+
+
+def _identified(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
+    """The stiffness alone, then the terms of the basis.
+
+    None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
+    Where the terms leave it ambiguous, all at once are released from the homogeneous sheet, since a stiffness that had
+    to stand for other terms may mislead; where they underfit the test, the further terms as well, which
+    would only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and
+    perturbed or divided.
     """
 
     @functools.cache
@@ -80,9 +97,7 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     found = without_fibres(found, settings, name)
     found = without_outliers(found, settings, name)
     found = perturbed(found, settings, name)
-    found = subdivided(found, measurement, settings, name)
-    _warn(found, settings, name)
-    return found
+    return subdivided(found, measurement, settings, name)
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from hypernode.data.measurement import displacement_noise, mesh_of
 from hypernode.dic.errors import DicError
-from hypernode.dic.load_cases import LoadCase, load_cases
+from hypernode.dic.recorded import RecordedTest, recorded_tests
 from hypernode.dic.writing import write_force_record, write_series
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, units_of
 
@@ -38,17 +38,18 @@ def run(measurement_file: str | Path, folder: str | Path) -> Path:
         raise DicError(f"{folder}: holds something already: name a new folder")
     if "u_measured" not in measurement:
         raise DicError(f"{measurement_file}: is no measurement: it holds no u_measured")
-    tests = load_cases(measurement, measurement_file)
+    tests = recorded_tests(measurement, measurement_file)
     for k, test in enumerate(tests):
         write_series(test.series, folder / f"test{k}")
         time = np.array([frame.number / FRAME_RATE for frame in test.series.frames])
-        write_force_record(folder / f"test{k}" / "force_disp.csv", time, test.displacement, test.force)
+        if test.force:
+            write_force_record(folder / f"test{k}" / "force_disp.csv", time, test.displacement, test.force)
     path = folder / "specimen.yaml"
     path.write_text(_configuration(measurement, measurement_file, folder, tests), encoding="utf-8")
     return path
 
 
-def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: list[LoadCase]) -> str:
+def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: list[RecordedTest]) -> str:
     """The text of the configuration that imports an export again."""
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.resolve().parent.name).lstrip("_.-") or "export"
     attributes, (width, height) = measurement.attrs, mesh_of(measurement).size.tolist()
@@ -70,6 +71,7 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
             "format": "table",
             "table": {"unit": "mm"},
             "load": test.load,
+            "force_file": "force_disp.csv" if test.force else None,
             "frame_rate": FRAME_RATE,
             "frames": [frame.number for frame in test.series.frames[1:]],
             "relaxation": False,

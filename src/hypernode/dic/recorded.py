@@ -26,13 +26,14 @@ _AXES = {
 
 
 @dataclass(frozen=True)
-class LoadCase:
+class RecordedTest:
     """One test of a measurement, the reference first.
 
     Attributes:
         load: as a specimen's configuration names it.
         series: its frames, on all points of the grid; NaN where one was lost or there is no material.
-        displacement, force: of the machine by axis, "x" or "y", in the units of the measurement.
+        displacement, force: of the machine by axis, "x" or "y", in the units of the measurement; none where no force
+            was recorded.
     """
 
     load: str
@@ -41,7 +42,7 @@ class LoadCase:
     force: dict[str, Float[np.ndarray, " frame"]]
 
 
-def load_cases(measurement: xr.Dataset, path: Path) -> list[LoadCase]:
+def recorded_tests(measurement: xr.Dataset, path: Path) -> list[RecordedTest]:
     """The tests of a measurement: means over its repeats, and the forces of an elastic sheet.
 
     Args:
@@ -54,6 +55,7 @@ def load_cases(measurement: xr.Dataset, path: Path) -> list[LoadCase]:
     mesh, u = mesh_of(measurement), measured_displacement(measurement)
     x, y = mesh.lines
     elastic = measurement["edge_force"].values / relaxation(measurement)
+    unknown = measurement.attrs["forces"] == "assumed"
     cases = []
     for number in range(int(measurement["load_case"].max()) + 1):
         steps = np.flatnonzero(measurement["load_case"].values == number)
@@ -62,7 +64,7 @@ def load_cases(measurement: xr.Dataset, path: Path) -> list[LoadCase]:
         series = Series(x, y, [Frame(k, each.reshape(len(y), len(x), 2)) for k, each in enumerate(frames)], "mm")
         H = measurement["H"].values[steps]
         load = load_of(measurement["edge_constrained"].values[steps[0]] > 0, H)
-        required, further = _AXES[load]
+        required, further = ("", "") if unknown else _AXES[load]
         force = {}
         for axis in (*required, *further):
             along = _along(elastic[steps], load, axis)
@@ -71,9 +73,9 @@ def load_cases(measurement: xr.Dataset, path: Path) -> list[LoadCase]:
             elif axis in required:
                 step = steps[int(np.argmax(np.isnan(along)))]
                 raise DicError(f"{path}: load step {step} carries no known force along {axis}")
-        if not force:
+        if not (force or unknown):
             raise DicError(f"{path}: no step of load case {number} carries a known force")
-        cases.append(LoadCase(load, series, {axis: _moved(H, mesh.size, load, axis) for axis in force}, force))
+        cases.append(RecordedTest(load, series, {axis: _moved(H, mesh.size, load, axis) for axis in force}, force))
     return cases
 
 
@@ -96,6 +98,9 @@ def _moved(H: Float[np.ndarray, "step 2 2"], size: Float[np.ndarray, " 2"], load
 
 def load_of(constrained: Bool[np.ndarray, "4 2"], H: Float[np.ndarray, "step 2 2"]) -> str:
     """The load of a specimen, from the edges and components that are held and from how they move."""
+    if constrained.all():
+        # Of two kinds of load that hold the whole outline, the one that asks for no certain force.
+        return "general"
     held = {(EDGE_NAMES[edge], component) for edge, component in np.argwhere(constrained).tolist()}
     kinds = [kind for kind, pairs in CONSTRAINED.items() if set(pairs) == held and kind in _AXES]
     if "shear" in kinds:
