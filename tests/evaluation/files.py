@@ -58,6 +58,7 @@ def measurement(mesh: Mesh, F, edge_force, prescribed, thickness: float = 1.0, r
             "relaxation": ("load_step", np.broadcast_to(relaxation, steps).astype(float)),
             "edge_constrained": (("load_step", "edge", "i"), held),
             "noise_level": (("load_step", "i"), np.zeros((steps, 2))),
+            "relative_thickness": ("cell", np.ones(len(mesh.cells))),
         },
         attrs={"thickness": thickness},
     )

@@ -29,6 +29,7 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
             "relaxation": (("load_step",), np.ones(1)),
             "noise_level": (("load_step", "i"), np.zeros((1, 2))),
+            "relative_thickness": ("cell", np.ones(len(mesh.cells))),
         },
         attrs={"thickness": 0.5},
     )
@@ -61,6 +62,7 @@ def test_other_frames_of_a_test_are_predicted_with_the_relaxation_of_those_that_
             "u_measured": (("repeat", "load_step", "node", "i"), u[None, None]),
             "relaxation": (("load_step",), np.array([1.25])),
             "noise_level": (("load_step", "i"), np.zeros((1, 2))),
+            "relative_thickness": ("cell", np.ones(len(mesh.cells))),
             "time": (("load_step",), np.array([3.0])),
         },
         attrs={"thickness": 0.5},

@@ -194,6 +194,8 @@ def test_a_sheet_whose_force_nobody_recorded_is_written_without_a_record(tmp_pat
     data = read(path)
     attributes = {**data.attrs, "units": SYNTHETIC_UNITS, "load_cases": ["clamped_y"], "forces": "assumed"}
     other = tmp_path / "assumed.nc"
+    attributes = {key: attributes[key] for key in ("units", "load_cases", "forces", "outline")}
+    attributes |= {"thickness": 1.55, "force_uncertainty": 0.01, "correlation_window": 0.0}
     write(other, {name: data[name].values for name in data.variables}, "measurement", attributes)
     written = export_csv.run(other, tmp_path / "out")
     (specimen,) = read_yaml(written).content["specimens"].values()

@@ -112,6 +112,9 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             raise ConfigError(f"{where}: geometries.{name}.path = {geometry.path!r}: no such file")
     for name, specimen in config.specimens.items():
         _check_folders(name, specimen, sources)
+        if specimen.thickness_map and not Path(specimen.thickness_map).is_file():
+            where = sources.where("specimens", name, "thickness_map")
+            raise ConfigError(f"{where}: specimens.{name}.thickness_map = {specimen.thickness_map!r}: no such file")
     # A sheet that others are compared with needs none.
     compared = {other for case in config.cases.values() for other in case.references.values()}
     for name, case in config.cases.items():
@@ -120,6 +123,8 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             raise ConfigError(f"{where}.methods: list at least one method ({', '.join(allowed)})")
         if case.inclusion is None and not case.specimen and config.geometries[case.geometry].shape != "uniform":
             raise ConfigError(f"{where}: the geometry '{case.geometry}' needs an inclusion material")
+        if case.specimen and config.specimens[case.specimen].thickness_map:
+            _check_thickness(config, case.methods, where)
 
 
 def _check_folders(name: str, specimen: Specimen, sources: Sources) -> None:
@@ -133,3 +138,14 @@ def _check_folders(name: str, specimen: Specimen, sources: Sources) -> None:
             f"{sources.where(*path)}: {'.'.join(map(str, path))} = {test.folder!r}: no such folder: put the specimen's "
             f"files there{source}, or say 'optional: true' to leave it out where they are absent"
         )
+
+
+def _check_thickness(config: Config, methods: list[str], where: str) -> None:
+    """Refuse methods whose equilibrium is that of a sheet of one thickness."""
+    for name in methods:
+        method = config.methods[name]
+        if method.baseline or method.training.iterations or method.constrained is None:
+            raise ConfigError(
+                f"{where}.methods: {name} takes the sheet as everywhere of one thickness: leave out thickness_map, or "
+                "choose a method with a constrained field and without training"
+            )

@@ -23,7 +23,10 @@ class Specimen(SpecimenTest):
     height: Positive
     """Side of the sheet along y [mm]."""
     thickness: Positive
-    """Thickness of the sheet [mm]."""
+    """Thickness of the sheet [mm]: the mean one where it is not the same everywhere."""
+    thickness_map: str | None = None
+    """Table of the thickness from place to place: columns x, y, thickness [mm], from the lower left corner of the
+    measured field."""
     outline: Literal["cut", "edge"] = "cut"
     """What the outermost points are: lines within the sheet, whose displacement is known and whose forces are not; or
     the edge of the sheet itself, free where nothing holds it."""

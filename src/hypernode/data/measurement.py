@@ -76,6 +76,11 @@ def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
 
 
+def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
+    """Thickness of every cell over the thickness by which forces are divided."""
+    return measurement["relative_thickness"].values
+
+
 def is_cut_out(measurement: xr.Dataset) -> bool:
     """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
     return measurement.attrs["outline"] == "cut"

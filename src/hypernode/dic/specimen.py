@@ -13,6 +13,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.force_level import assumed_force
 from hypernode.dic.load_case import LoadCase, import_load_case
 from hypernode.dic.placing import on_one_grid
+from hypernode.dic.thickness import thickness_at
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS
@@ -36,6 +37,8 @@ class ImportedSpecimen:
         edge_force: resultant of each edge that is known [N].
         constrained: 1 where the displacement is prescribed, by step, edge and component.
         field: corners of the first test's whole measured field.
+        relative_thickness: of each cell, over that of the sheet.
+        thickness_map: the file from which it is, where there is one.
     """
 
     mesh: Mesh
@@ -46,6 +49,8 @@ class ImportedSpecimen:
     edge_force: Float[np.ndarray, "step edge 2"]
     constrained: Float[np.ndarray, "step edge 2"]
     field: Float[np.ndarray, "2 2"]
+    relative_thickness: Float[np.ndarray, " cell"]
+    thickness_map: Path | None
 
     @property
     def stretch(self) -> Float[np.ndarray, " step"]:
@@ -69,7 +74,8 @@ class ImportedSpecimen:
     @property
     def files(self) -> list[Path]:
         """Every file that was read."""
-        return list(dict.fromkeys(path for case in self.cases for path in case.files))
+        maps = (self.thickness_map,) if self.thickness_map else ()
+        return list(dict.fromkeys((*(path for case in self.cases for path in case.files), *maps)))
 
 
 def import_specimen(specimen: Specimen, hole: Callable | None = None) -> ImportedSpecimen:
@@ -96,6 +102,7 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None) -> Importe
         step, axis, force = assumed_force(np.concatenate(H), specimen.thickness * mesh.size[::-1])
         edge_force[step, 2 * axis : 2 * axis + 2, axis] = -force, force
     steps = [len(case.numbers) for case in cases]
+    chart = Path(specimen.thickness_map) if specimen.thickness_map else None
     return ImportedSpecimen(
         mesh,
         cases,
@@ -105,6 +112,8 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None) -> Importe
         edge_force,
         constrained,
         field,
+        thickness_at(chart, mesh.centres) / specimen.thickness if chart else np.ones(len(mesh.cells)),
+        chart,
     )
 
 

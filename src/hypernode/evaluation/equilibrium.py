@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import relaxation
+from hypernode.data.measurement import relative_thickness, relaxation
 from hypernode.evaluation.judgement import Judgement
 from hypernode.fem.equilibrium_gap import relative_gap
 from hypernode.fem.mesh import EDGES, Mesh
@@ -94,6 +94,8 @@ def score_equilibrium(
         F, P: deformation gradient and stress of every step and cell.
         deformation: ``measured`` or ``identified``, the ending of the names.
     """
+    # What is in equilibrium is the force per length, the stress times the thickness.
+    P = P * relative_thickness(measurement)[:, None, None]
     nodal = nodal_forces(mesh, P)
     forces = edge_resultants(mesh, loading, nodal) * float(measurement.attrs["thickness"]) * relaxation(measurement)
     constrained = loading.constrained[loading.load_case]

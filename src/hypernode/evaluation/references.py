@@ -6,7 +6,14 @@ from jaxtyping import Float
 
 from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.lost import filled
-from hypernode.data.measurement import measured_displacement, mesh_of, noise_of_steps, relaxation, relaxation_at
+from hypernode.data.measurement import (
+    measured_displacement,
+    mesh_of,
+    noise_of_steps,
+    relative_thickness,
+    relaxation,
+    relaxation_at,
+)
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.fem.solver import ConvergenceError, EquilibriumSolver
 from hypernode.material.laws import node_stress
@@ -53,8 +60,13 @@ def pulled_sheet(measurement, node, node_params, progress: Progress):
     prescribed = np.ones((len(EDGE_NAMES), 2))
     solver = EquilibriumSolver(
         mesh,
-        lambda F, p: jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1),
-        {"node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:]))},
+        lambda F, p: (
+            p["thickness"] * jnp.mean(node_stress(node, jnp.tile(F[..., None], len(p["node"])), p["node"].T), axis=-1)
+        ),
+        {
+            "node": jnp.broadcast_to(node_params, (len(mesh.cells), *node_params.shape[-2:])),
+            "thickness": jnp.asarray(relative_thickness(measurement)),
+        },
     )
     forces, noise = [], noise_of_steps(measurement)
     measured = measured_displacement(measurement)

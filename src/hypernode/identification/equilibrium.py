@@ -33,10 +33,19 @@ class FieldEquilibrium:
 
     Args:
         tolerance: relative residual at which a state counts as equilibrium.
+        relative_thickness: of every cell.
     """
 
-    def __init__(self, mesh: Mesh, basis: ConvexBasis, boundaries: tuple[Boundary, ...], tolerance: float):
+    def __init__(
+        self,
+        mesh: Mesh,
+        basis: ConvexBasis,
+        boundaries: tuple[Boundary, ...],
+        tolerance: float,
+        relative_thickness: Float[np.ndarray, " cell"],
+    ):
         self.mesh, self.boundaries, self._tolerance = mesh, boundaries, tolerance
+        self._log_thickness = np.log(relative_thickness)
         self._solver = EquilibriumSolver(
             mesh,
             lambda F, p: basis.stress(F, p["params"]),
@@ -48,6 +57,12 @@ class FieldEquilibrium:
         """(dN_a/dX_J (cell, quad, 4, 2), quadrature weights (cell, quad))."""
         return self._solver.shape_gradients
 
+    def of_sheet(self, params: Float[np.ndarray, "cell parameter"]) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of the sheet of one thickness that is as stiff: its stress is the exponential of the first."""
+        sheet = np.array(params)
+        sheet[:, 0] += self._log_thickness
+        return sheet
+
     def states(self, params: Float[np.ndarray, "cell parameter"], guesses, factors=None) -> list[State] | None:
         """Equilibrium of every load step, or None where Newton's method fails for one.
 
@@ -55,7 +70,7 @@ class FieldEquilibrium:
             guesses: displacement of every step to begin from.
             factors: factors of the free tangents of states near by.
         """
-        self._solver.set_parameters({"params": params})
+        self._solver.set_parameters({"params": self.of_sheet(params)})
         found = []
         each = zip(guesses, self.boundaries, factors or [None] * len(guesses), strict=True)
         for guess, boundary, factor in each:
@@ -79,5 +94,5 @@ class FieldEquilibrium:
     def tangents(self, params: Float[np.ndarray, "cell parameter"], displacements) -> Iterator:
         """Tangent stiffness (degree of freedom, degree of freedom) in each of the given states, one after the other."""
         for u in displacements:
-            self._solver.set_parameters({"params": params})
+            self._solver.set_parameters({"params": self.of_sheet(params)})
             yield self._solver.tangent(u)[1]

@@ -16,6 +16,7 @@ from hypernode.data.measurement import (
     measured_displacement,
     mesh_of,
     noise_of_steps,
+    relative_thickness,
     scatter_of_steps,
     stress_resultants,
 )
@@ -78,6 +79,7 @@ class Observations:
         window: side of the camera's correlation window, 0 without one.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
+        relative_thickness: of every subcell.
         boundaries: of every load step.
     """
 
@@ -91,6 +93,7 @@ class Observations:
     window: float
     cut: bool
     largest_stretch: float
+    relative_thickness: Float[np.ndarray, " subcell"]
     boundaries: tuple[Boundary, ...]
 
     @property
@@ -132,8 +135,21 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
     each = zip(measured, prescribed, levels, relative, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
     stretch = float(measurement["stretch"].values.max())
+    thickness = np.empty(len(refinement.mesh.cells))
+    thickness[refinement.subcells] = relative_thickness(measurement)[:, None]
     return Observations(
-        grid, refinement, Loading.of(measurement), u, sigma, scatter, noisy, window, cut, stretch, tuple(boundaries)
+        grid,
+        refinement,
+        Loading.of(measurement),
+        u,
+        sigma,
+        scatter,
+        noisy,
+        window,
+        cut,
+        stretch,
+        thickness,
+        tuple(boundaries),
     )
 
 

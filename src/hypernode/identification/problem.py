@@ -133,7 +133,7 @@ class FieldProblem:
         """Derivative of the residuals by the parameters, where displacements have the uncertainty ``sigma``."""
         shape = (self.mesh.nodes.size, params.size)
         tangents = self.equilibrium.tangents(params, [state.u for state in states])
-        steps = []
+        params, steps = self.equilibrium.of_sheet(params), []
         for number, (state, K, boundary) in enumerate(zip(states, tangents, self.observations.boundaries, strict=True)):
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
             B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
@@ -154,7 +154,9 @@ def field_problem(measurement, settings: Constrained, subcells: int = 1, strateg
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
     mesh = observations.refinement.mesh
-    equilibrium = FieldEquilibrium(mesh, basis, observations.boundaries, strategy.newton_tolerance)
+    equilibrium = FieldEquilibrium(
+        mesh, basis, observations.boundaries, strategy.newton_tolerance, observations.relative_thickness
+    )
     homogeneous = fit_homogeneous(observations, basis, equilibrium, strategy)
     described = homogeneous.force_misfit <= strategy.description_error
     relative = np.where(described, settings.force_noise, homogeneous.force_misfit)[observations.loading.load_case]

@@ -21,7 +21,7 @@ def specimen_files(config: Config, name: str) -> list[str]:
         files = [str(path) for test in specimen.all_tests for path in raw_files(test)]
     except DicError as error:
         raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
-    return list(dict.fromkeys(files))
+    return list(dict.fromkeys([*files, *([specimen.thickness_map] if specimen.thickness_map else [])]))
 
 
 def image_files(config: Config, name: str) -> list[str]:

@@ -59,6 +59,7 @@ def _variables(sheet: ImportedSpecimen) -> dict:
         "relaxation_factor": factors,
         "edge_constrained": sheet.constrained,
         "u_measured": sheet.u[None],
+        "relative_thickness": sheet.relative_thickness,
         "noise_scatter": np.concatenate([each.noise.scatter for each in sheet.cases]),
         "noise_level": np.concatenate([each.noise.level for each in sheet.cases]),
         "camera_angle": np.degrees(np.concatenate([each.camera_angle for each in sheet.cases])),

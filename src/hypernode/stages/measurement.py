@@ -19,9 +19,9 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
     copied = ("corners", "load_case", "stretch", "H", "edge_force", "edge_constrained")
     variables = {key: forward[key].values for key in copied}
     variables["relaxation"] = np.ones(len(forward["load_case"]))
-    variables["noise_level"] = variables["noise_scatter"] = np.full(
-        (len(forward["load_case"]), 2), noise.sigma if noise else 0.0
-    )
+    variables["relative_thickness"] = np.ones(len(mesh.cells))
+    level = np.full((len(forward["load_case"]), 2), noise.sigma if noise else 0.0)
+    variables |= {"noise_level": level, "noise_scatter": level}
     variables |= {"X": mesh.nodes, "cells": mesh.cells}
     variables |= {"u_measured": with_noise(u, noise), "u_truth": u, "F_truth": deformation_gradient(mesh, u)}
     carried = {key: forward.attrs[key] for key in ("load_cases", "thickness")}

@@ -55,6 +55,7 @@ VARIABLES = {
     "X": Variable(("node", "i"), "length", "reference position of the nodes"),
     "cells": Variable(("cell", "vertex"), "1", "node numbers of each cell"),
     "corners": Variable(("corner", "i"), "length", "bounding rectangle of the sheet"),
+    "relative_thickness": Variable(("cell",), "1", "thickness over that of the sheet, the attribute thickness"),
     "phase": Variable(("cell",), "1", "index of the material phase, -1 unknown"),
     "model": Variable(("cell",), "1", "index of the material model in the attribute models"),
     # loading

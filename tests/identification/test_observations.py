@@ -1,0 +1,75 @@
+"""What a test says of a sheet, whatever its noise, its thickness and where the camera was."""
+
+import numpy as np
+import pytest
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.problem import field_problem
+from hypernode.mechanics.loads import make_load
+from tests.sheets import believed, sheet, square
+
+SETTINGS = Constrained(terms=["I1_squared"])
+
+
+def residuals(data, params):
+    """(problem, misfit of the displacements of a field as stiff as this one)."""
+    problem = field_problem(data, SETTINGS)
+    of_problem = np.tile(problem.basis.start, (len(params), 1))
+    of_problem[:, 0] = params[:, 0]
+    states = problem.equilibrium.states(of_problem, problem.equilibrium.extension(of_problem))
+    return problem, np.concatenate(problem.residuals(states)[0])
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.03])
+def test_a_sheet_that_nothing_holds_along_y_may_have_been_shifted_by_the_camera(shift):
+    data, _, params = sheet(8, square, make_load("uniaxial_x", [1.05, 1.1]))
+    u = data["u_measured"].values.copy()
+    u[..., 1] += shift
+    moved = data.assign(u_measured=(data["u_measured"].dims, u))
+    _, still = residuals(data, params)
+    _, found = residuals(moved, params)
+    np.testing.assert_allclose(found, still, atol=1e-9)
+
+
+def test_the_one_point_that_keeps_a_free_sheet_in_place_is_as_wrong_as_its_noise():
+    data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.05]), noise=1e-3)
+    (boundary,) = field_problem(data, SETTINGS).observations.boundaries
+    (point,) = np.flatnonzero(boundary.mask[:, 1])
+    np.testing.assert_array_equal(boundary.values[point, 1], data["u_measured"].values[0, 0, point, 1])
+    own = boundary.errors[[2 * point + 1]]
+    assert np.linalg.norm(np.asarray(own)) == pytest.approx(1e-3)
+
+
+def test_a_step_that_is_twice_as_noisy_weighs_half_as_much():
+    data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.05, 1.1]), noise=1e-3)
+    level = data["noise_level"].values * [[1.0, 1.0], [2.0, 2.0]]
+    uneven = data.assign(noise_level=(("load_step", "i"), level), noise_scatter=(("load_step", "i"), level))
+    even, weighted = (field_problem(d, SETTINGS).observations for d in (data, uneven))
+    assert weighted.sigma == pytest.approx(np.sqrt(2.5) * 1e-3, rel=1e-3)
+    for k, factor in ((0, 1.0), (1, 2.0)):
+        ratio = weighted.boundaries[k].seen * weighted.sigma / (even.boundaries[k].seen * even.sigma)
+        np.testing.assert_allclose(ratio, (weighted.sigma / even.sigma) ** 2 / factor, rtol=2e-3)
+
+
+def test_errors_that_are_shared_are_expected_to_scatter_less_than_they_weigh():
+    data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.05]), noise=1e-3)
+    shared = believed(data, 3e-3).assign(noise_scatter=data["noise_scatter"])
+    alone, together = (field_problem(d, SETTINGS) for d in (data, shared))
+    assert alone.observations.scatter == pytest.approx(1.0) and together.observations.scatter == pytest.approx(
+        1 / 3, rel=1e-3
+    )
+    assert together.cost_of_noise == pytest.approx(alone.cost_of_noise / 9.0, rel=2e-3)
+
+
+def test_a_thicker_cell_pulls_as_one_that_is_stiffer_does():
+    data, mesh, _ = sheet(8, square, make_load("biaxial", [[1.05, 1.03]]))
+    ratio = 1.0 + 0.3 * (mesh.centres[:, 0] - 0.5)
+    charted = data.assign(relative_thickness=("cell", ratio))
+    problem, thick = (field_problem(d, SETTINGS) for d in (data, charted))
+    params = np.tile(problem.basis.start, (len(mesh.cells), 1))
+    stiffer = params.copy()
+    stiffer[:, 0] += np.log(ratio)
+    guesses = problem.equilibrium.extension(params)
+    (expected,), (found,) = problem.equilibrium.states(stiffer, guesses), thick.equilibrium.states(params, guesses)
+    np.testing.assert_allclose(found.u, expected.u, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.force, expected.force, rtol=1e-9, atol=1e-12)
