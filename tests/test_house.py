@@ -35,14 +35,20 @@ ALLOWED = {
         "synthetic",
         "config",
     },
-    "figures": {"errors", "verdict", "mechanics", "fem", "data", "material", "evaluation", "storage", "tables"},
+    "inspection": {"errors", "progress", "mechanics", "data", "config", "dic"},
+    "figures": {
+        *("errors", "verdict", "mechanics", "fem", "data", "material", "evaluation", "storage", "tables"),
+        # The figure of a folder of displacement files, which shows what was found out about it.
+        "inspection",
+    },
     "tables": {"errors", "verdict", "mechanics", "storage"},
     "pipeline": {"errors", "config", "dic", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("synthetic", "identification", "training", "evaluation"),
     },
-    "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables", "stages"},
+    "commands": {"errors", "verdict", "config", "inspection", "figures", "tables"},
+    "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables", "stages", "commands"},
     "__main__": {"cli"},
     "__init__": {"material"},
 }

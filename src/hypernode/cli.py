@@ -1,4 +1,4 @@
-"""The command hypernode: ask results how far to believe them and where they came from, and what files hold.
+"""The command hypernode: look at measurements, identify them, and ask results how far to believe them.
 
 A command is a function that adds its parser to those of ``COMMANDS``, with a ``run`` that takes the arguments and
 gives the exit code. It imports what it needs when it runs, so that no command waits for another one's packages.
@@ -10,6 +10,8 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.identify import add_identify
+from hypernode.commands.inspect import add_inspect
 from hypernode.errors import ExpectedError
 
 
@@ -174,7 +176,7 @@ def export_csv(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_audit, add_verdict, add_schema, add_export, add_idle)
+COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:

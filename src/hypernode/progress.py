@@ -2,11 +2,29 @@
 
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+#: Lists that lines go to instead of standard error; the last one listens.
+_LISTENING: list[list[str]] = []
 
 
 def say(stage: str, case: str, text: str) -> None:
     """One line on standard error about a stage of a case."""
-    print(f"[{stage}] {case}: {text}", file=sys.stderr, flush=True)
+    if _LISTENING:
+        _LISTENING[-1].append(text)
+    else:
+        print(f"[{stage}] {case}: {text}", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def heard() -> Iterator[list[str]]:
+    """What is said meanwhile, as texts in a list, and not on standard error."""
+    _LISTENING.append([])
+    try:
+        yield _LISTENING[-1]
+    finally:
+        _LISTENING.pop()
 
 
 class Progress:

@@ -32,6 +32,11 @@ RC = {
     "figure.dpi": 150,
     "savefig.dpi": 300,
 }
+#: What files of a format say of themselves: no date, so that the same figure is the same file.
+METADATA = {
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": "hypernode"},
+    "png": {"Software": "hypernode"},
+}
 
 
 def draw_field(axes, data, values, norm: Normalize, cmap: str = FIELD_MAP):
@@ -114,16 +119,12 @@ def from_zero(axes) -> None:
 
 
 def save(figure, files: dict[str, str], provenance: dict, parents) -> None:
-    """Write a figure in several formats, without dates, so that the same figure is the same file."""
-    metadata = {
-        "pdf": {"CreationDate": None, "Producer": None, "Creator": "hypernode"},
-        "png": {"Software": "hypernode"},
-    }
+    """Write a figure in several formats."""
     for kind, path in files.items():
         with plt.rc_context(RC):
             write_bytes_atomically(
                 path,
-                lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=metadata[kind]),
+                lambda temporary, kind=kind: figure.savefig(temporary, format=kind, metadata=METADATA[kind]),
                 provenance,
                 parents,
             )

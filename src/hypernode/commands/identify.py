@@ -1,0 +1,128 @@
+"""``hypernode identify FOLDER``: from a folder to a material and the verdict on it, by the project's own workflow."""
+
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from hypernode.commands.inspect import looked_at, print_report
+from hypernode.commands.options import UsageError, add_folder_options
+from hypernode.errors import ExpectedError
+
+#: Folder of the project, where it is not an installed package.
+ROOT = Path(__file__).resolve().parents[3]
+
+
+class WorkflowError(ExpectedError):
+    """The workflow cannot run, or ended with an error."""
+
+
+def add_identify(commands) -> None:
+    """``identify FOLDER``."""
+    parser = commands.add_parser(
+        "identify",
+        help="identify the material of a folder; exit code 1 where the verdict is fail, 2 where something is refused",
+    )
+    add_folder_options(parser)
+    parser.add_argument("--method", metavar="NAME", help="preset, or method of a file of --config; hypernode if not")
+    parser.add_argument("--cores", type=int, default=2, metavar="N", help="that jobs may use (2)")
+    parser.add_argument(
+        "--config", type=Path, nargs="+", default=[], metavar="FILE", help="configurations that are laid over"
+    )
+    parser.add_argument(
+        "--write-config", type=Path, metavar="FILE", help="where the configuration is written (<folder>.yaml here)"
+    )
+    parser.set_defaults(run=run_identify)
+
+
+def run_identify(arguments) -> int:
+    """Inspect, write the configuration, run the workflow, and print the verdict and where the results are."""
+    from hypernode.inspection.draft import write_draft
+
+    if arguments.cores < 1:
+        raise UsageError(f"--cores {arguments.cores}: one or more")
+    snakefile = workflow(ROOT)
+    seen = looked_at(arguments)
+    if seen.sheet is None:
+        print_report(arguments, seen)
+        return 2
+    file = arguments.write_config or Path(f"{seen.name}.yaml")
+    config = write_draft(seen, file, arguments.method, arguments.config)
+    if not arguments.json:
+        print_report(arguments, seen, [file])
+    sys.stdout.flush()
+    run_workflow(snakefile, [file, *arguments.config], arguments.cores)
+    return print_results(arguments, config, seen.name)
+
+
+def workflow(root: Path) -> Path:
+    """The project's Snakefile.
+
+    Raises:
+        WorkflowError: there is none, or nothing to run it with.
+    """
+    snakefile = root / "Snakefile"
+    if not snakefile.is_file():
+        raise WorkflowError(
+            f"there is no Snakefile in {root}: this is an installed package without the workflow that identifies; "
+            "clone the project's repository and install it from there, pip install -e ."
+        )
+    if importlib.util.find_spec("snakemake") is None:
+        raise WorkflowError("snakemake is not installed: pip install -r requirements.txt")
+    return snakefile
+
+
+def run_workflow(snakefile: Path, configs: list[Path], cores: int) -> None:
+    """Run everything that configurations ask for, into ``results`` of the working directory.
+
+    Raises:
+        WorkflowError: it ended with an error.
+    """
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--cores", str(cores)]
+    command += ["--workflow-profile", str(snakefile.parent / "profiles" / "default")]
+    # What a job says and how many are done is progress; what files it reads and why is not.
+    command += ["--quiet", "rules", "host", "reason", "--configfile", *map(str, configs)]
+    # Standard output is for results.
+    done = subprocess.run(command, stdout=sys.stderr.fileno())  # noqa: S603
+    if done.returncode != 0:
+        raise WorkflowError("the workflow ended with an error, which stands above; what is finished is kept")
+
+
+def print_results(arguments, config, specimen: str) -> int:
+    """Print the verdicts on the runs of a specimen and their files; exit code 1 where one fails."""
+    from hypernode.tables.verdicts import read_verdicts
+    from hypernode.verdict import Level
+
+    runs = [
+        f"{name}/{method}"
+        for name, case in config.cases.items()
+        if case.specimen == specimen
+        for method in case.methods
+    ]
+    found = read_verdicts(f"results/{run}/evaluation.nc" for run in runs)
+    files = {run: [f"results/{run}/material.nc", *_figures(config, run)] for run in runs}
+    if arguments.json:
+        print(json.dumps([{"run": run, **each.stored(), "files": files[run]} for run, each in found], indent=1))
+    else:
+        print("\n".join(line for run, each in found for line in (f"{each.overall}  {run}", *_reasons(each))))
+        print("\n".join(f"written   {file}" for run in runs for file in files[run]))
+    return 1 if any(each.overall is Level.FAILED for _, each in found) else 0
+
+
+def _reasons(verdict) -> list[str]:
+    """A line for every criterion that is judged, the worst first."""
+    from hypernode.verdict import Level
+
+    judged = [each for each in verdict.criteria if each.level is not Level.NOT_JUDGED]
+    return [f"  {each.level}: {each.sentence}" for each in sorted(judged, key=lambda each: -each.level.rank)]
+
+
+def _figures(config, run: str) -> list[str]:
+    """Figures of one run."""
+    return [
+        f"results/figures/{name}.{kind}"
+        for name, figure in config.figures.items()
+        if figure.kind != "comparison" and f"{figure.case}/{figure.method}" == run
+        for kind in ("pdf", "png")
+    ]

@@ -1,0 +1,58 @@
+"""Which files of a folder are frames, which are pictures, and which may be force records."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.errors import DicError
+from hypernode.dic.folder import SUFFIXES, Found, dialect_of, find_series
+
+#: Endings of what cameras write.
+PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
+#: Endings of what no testing machine writes, although displacements may stand in it.
+_NO_RECORD = {".mat"}
+
+
+@dataclass(frozen=True)
+class Content:
+    """The files of a folder.
+
+    Attributes:
+        folder: which one.
+        frames: the one series of displacement files; None where there is none or not one.
+        refusal: why not; empty where there is one.
+        pictures: in the order of their names.
+        tables: files that are no frames and may be force records.
+    """
+
+    folder: Path
+    frames: Found | None
+    refusal: str
+    pictures: tuple[Path, ...]
+    tables: tuple[Path, ...]
+
+
+def content_of(test: SpecimenTest) -> Content:
+    """What lies in the folder of a test."""
+    folder = Path(test.folder)
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    pictures = tuple(path for path in files if path.suffix.lower() in PICTURES)
+    try:
+        found, refusal = find_series(folder, dialect_of(test)), ""
+    except DicError as error:
+        found, refusal = None, _without_displacements(pictures) or str(error)
+    frames = set(found.files.values()) if found else set()
+    endings = SUFFIXES - _NO_RECORD
+    tables = tuple(path for path in files if path.suffix.lower() in endings and path not in frames)
+    return Content(folder, found, refusal, pictures, tables)
+
+
+def _without_displacements(pictures: tuple[Path, ...]) -> str:
+    """What a folder of pictures lacks; empty where there are no pictures to speak of."""
+    if len(pictures) < 2:
+        return ""
+    return (
+        f"{pictures[0].parent}: {len(pictures)} pictures ({pictures[0].name} to {pictures[-1].name}) and no "
+        "displacement files: correlate the pictures with a program for digital image correlation first, and export "
+        "a table of displacements a picture into this folder"
+    )

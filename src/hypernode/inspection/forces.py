@@ -1,0 +1,83 @@
+"""The forces of all frames, whether or not the import accepts them, and how the clocks agree."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.force_clock import ClockOffset, agreed_offset, estimate_offsets
+from hypernode.dic.force_dialects import PULL
+from hypernode.dic.force_matching import PullRecord, pull_record
+from hypernode.dic.force_record import ForceRecord
+from hypernode.dic.frame_clock import FrameClock
+from hypernode.dic.frames import mean_gradient, working_stretch
+from hypernode.dic.series import Series
+from hypernode.mechanics.loads import RESULTANTS
+
+
+@dataclass(frozen=True)
+class Course:
+    """One force of the frames that the record reaches.
+
+    Attributes:
+        part: component (i, J): the force along i on sections normal to J.
+        numbers: of the frames.
+        stretch: mean stretch along the force, or 1 + shear.
+        force: in N.
+    """
+
+    part: tuple[int, int]
+    numbers: Int[np.ndarray, " frame"]
+    stretch: Float[np.ndarray, " frame"]
+    force: Float[np.ndarray, " frame"]
+
+
+def courses(
+    test: SpecimenTest, series: Series, record: ForceRecord, clock: FrameClock | None
+) -> tuple[list[Course], list[ClockOffset]]:
+    """(forces of the frames by component, estimates of the offset of the record's clock).
+
+    Args:
+        test: with its load, and the offsets of force and clock.
+        series: the frames, without the rings that are dropped.
+        record: of the machine.
+        clock: when the frames were taken; None where nothing tells, and nothing needs to.
+    """
+    parts = [part for part in RESULTANTS[test.load] if record.axes == (PULL,) or "xy"[part[0]] in record.axes]
+    if record.axes == (PULL,) and len(parts) > 1:
+        return [], []
+    pulls = {part: pull_record(record, "xy"[part[0]], _zero(test, part[0]), clock) for part in parts}
+    offsets = _offsets(test, series, pulls)
+    found = agreed_offset(offsets) if test.force_time_offset == "estimate" else None
+    if found is not None:
+        later = clock.later(found.seconds)
+        pulls = {part: pull_record(record, "xy"[part[0]], _zero(test, part[0]), later) for part in parts}
+    return [_course(series, part, pull) for part, pull in pulls.items()], offsets
+
+
+def _zero(test: SpecimenTest, axis: int) -> float:
+    given = test.force_offset
+    return given.get("xy"[axis], 0.0) if isinstance(given, dict) else given
+
+
+def _offsets(test: SpecimenTest, series: Series, pulls: dict[tuple[int, int], PullRecord]) -> list[ClockOffset]:
+    """Estimates from the largest force; none where the record numbers its pictures."""
+    if not pulls:
+        return []
+    part = max(pulls, key=lambda key: np.ptp(pulls[key].force))
+    pull = pulls[part]
+    if pull.image is not None:
+        return []
+    numbers = np.array([frame.number for frame in series.frames])
+    stretch = working_stretch(series, test.load, *part)
+    # What follows the largest stretch is not the loading of the test.
+    seen = np.isfinite(stretch) & (np.arange(len(stretch)) <= np.argmax(np.nan_to_num(stretch)))
+    return estimate_offsets(pull.times(numbers[seen]), stretch[seen], pull.time, pull.force, pull.displacement)
+
+
+def _course(series: Series, part: tuple[int, int], pull: PullRecord) -> Course:
+    numbers = np.array([frame.number for frame in series.frames])
+    reached = pull.reached(numbers)
+    force = pull.forces(numbers[reached]) if reached.any() else np.empty(0)
+    return Course(part, numbers[reached], 1.0 + mean_gradient(series, *part)[reached], force)
