@@ -190,7 +190,7 @@ def _kept_from_drifting(grid: Mesh, u, edges: PrescribedDisplacement, noise) -> 
     return PrescribedDisplacement(mask, values, errors)
 
 
-def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
+def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) -> list[EdgeForce]:
     """Measured resultants, one a step and component; their overall balance gives the other edge.
 
     Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
@@ -198,7 +198,7 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
 
     Args:
         mesh: on whose nodes they act.
-        relative: uncertainty of every step's forces, over their size.
+        relative: uncertainty of a force over its size.
     """
     cut, force = is_cut_out(measurement), stress_resultants(measurement)
     constrained = measurement["edge_constrained"].values > 0
@@ -211,7 +211,7 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
                 if constrained[step, e, i] and np.isfinite(force[step, e, i]):
                     direction = np.zeros(mesh.nodes.shape)
                     direction[mesh.on_edge(edge), i] = 1.0
-                    sigma = relative[step] * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
+                    sigma = relative * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
                     forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
                     if not cut:
                         break

@@ -143,7 +143,7 @@ class FieldProblem:
 
 
 def field_problem(measurement, settings: Constrained, subcells: int = 1, strategy: Strategy = STRATEGY) -> FieldProblem:
-    """The problem of a measurement: its observations, the homogeneous fit, and forces as certain as that tells.
+    """The problem of a measurement: its observations, the homogeneous fit, and forces as certain as the load cell is.
 
     Args:
         measurement: an opened measurement.
@@ -158,10 +158,9 @@ def field_problem(measurement, settings: Constrained, subcells: int = 1, strateg
         mesh, basis, observations.boundaries, strategy.newton_tolerance, observations.relative_thickness
     )
     homogeneous = fit_homogeneous(observations, basis, equilibrium, strategy)
-    described = homogeneous.force_misfit <= strategy.description_error
-    relative = np.where(described, settings.force_noise, homogeneous.force_misfit)[observations.loading.load_case]
-    relative = np.maximum(relative, float(measurement.attrs["force_uncertainty"]))
-    forces = edge_forces(measurement, mesh, relative, strategy)
+    forces = edge_forces(
+        measurement, mesh, max(settings.force_noise, float(measurement.attrs["force_uncertainty"])), strategy
+    )
     return FieldProblem(observations, basis, equilibrium, homogeneous, forces, strategy)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import with_independent_errors
 from hypernode.identification.estimate import Estimate
+from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
@@ -73,6 +74,7 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance)
         return reached if before is None else reached.after(before)
 
+    check_forces(problem_of, settings, name)
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = strategy.further_plateaus if settings.further_terms else ()

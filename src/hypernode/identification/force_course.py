@@ -1,0 +1,53 @@
+"""Forces that no hyperelastic sheet can have given, once its mean deformation is known."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hypernode.config.methods import Constrained
+from hypernode.errors import ExpectedError
+from hypernode.identification.problem import FieldProblem
+
+
+class ImpossibleForcesError(ExpectedError, RuntimeError):
+    """The forces of a load case are those of no sheet; the message says which and what was seen."""
+
+
+def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained, name: str) -> None:
+    """Refuse forces whose course over the load steps no homogeneous material comes near.
+
+    The materials become richer, neo-Hookean, all terms, further ones, until one does.
+
+    Args:
+        problem_of: problem with some terms of the basis.
+        settings: of the stage.
+        name: case, for the message.
+
+    Raises:
+        ImpossibleForcesError: none does.
+    """
+    first = [term for term in settings.terms if term == "J"]
+    richer = (first, settings.terms, [*settings.terms, *settings.further_terms])
+    for terms in richer:
+        problem = problem_of(*terms)
+        misfit = problem.homogeneous.force_misfit
+        if misfit.max() <= problem.strategy.impossible_forces:
+            return
+    case = int(np.argmax(misfit))
+    loading, F = problem.observations.loading, problem.observations.mean_F
+    steps = np.flatnonzero(loading.load_case == case)
+    normal = np.eye(2, dtype=bool)
+    seen = "; ".join(
+        f"{_shown(loading.P_average[step], loading.measured[step] & normal)} at F = {_shown(F[:, :, step], normal)}"
+        for step in steps
+    )
+    raise ImpossibleForcesError(
+        f"{name}: the forces of load case {case} are missed by {misfit[case]:.0%} by every homogeneous sheet "
+        f"({', '.join(richer[-1]) or 'neo-Hookean'}), more than {problem.strategy.impossible_forces:.0%}: no sheet "
+        f"gives a mean stress of {seen} (normal components, force over section). Check the record's sign, channel, unit "
+        "and clock, and that it is of this test"
+    )
+
+
+def _shown(tensor, known) -> str:
+    return "(" + ", ".join(f"{tensor[i, J]:.3g}" for i, J in zip(*np.nonzero(known), strict=True)) + ")"
