@@ -44,8 +44,8 @@ def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained,
     raise ImpossibleForcesError(
         f"{name}: the forces of load case {case} are missed by {misfit[case]:.0%} by every homogeneous sheet "
         f"({', '.join(richer[-1]) or 'neo-Hookean'}), more than {problem.strategy.impossible_forces:.0%}: no sheet "
-        f"gives a mean stress of {seen} (normal components, force over section). Check the record's sign, channel, unit "
-        "and clock, and that it is of this test"
+        f"gives a mean stress of {seen} (normal components, force over section). Check sign, channel, unit "
+        "and clock of the record, and that it is of this test"
     )
 
 
