@@ -148,6 +148,13 @@ class Strategy:
     # Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
 
+    #: Relative difference of stiffness below which two cells count as one material: twice what phases scatter by.
+    plateau: float = 0.05
+    #: Materials of neighbours that are offered to single cells at a time, for memory: two for each of a hundred.
+    most_offers: int = 200
+    #: How often neighbours decide, each time from where the descent before ended.
+    neighbour_rounds: int = 3
+
     # Subcells: into how many rows and columns cells are divided, how many a sheet may have, for memory, and for how
     # many iterations it pays.
     subcells: int = 2
