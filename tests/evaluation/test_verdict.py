@@ -22,6 +22,11 @@ GOOD = {
     "edge_force_error_identified": 0.005,
     "equilibrium_gap_identified": 0.01,
     "spread": 0.02,
+    "inclusion": "distinguishable",
+    "contrast_seen": 0.2,
+    "contrast_needed": 0.0123,
+    "detectable_contrast": 0.03,
+    "phases_found": 2,
 }
 
 
@@ -172,6 +177,16 @@ def test_a_method_without_an_equilibrium_field_is_judged_by_forces_and_equilibri
 def test_the_sides_of_a_cut_grid_carry_forces_so_that_its_equilibrium_is_not_judged(measurement):
     verdict = judged(measurement.assign_attrs(outline="cut"), equilibrium_gap_identified=0.9)
     assert level(verdict, "equilibrium") is Level.NOT_JUDGED
+
+
+def test_that_there_is_no_inclusion_is_an_answer_and_no_failing(measurement):
+    there = criterion(judged(measurement), "inclusion")
+    assert there.level is Level.PASSED and (there.value, there.threshold) == (0.2, 0.0123)
+    assert there.sentence == "Two phases are distinguishable: they explain 20 % of the stiffness, and noise 1.23 %."
+    none = criterion(judged(measurement, inclusion="none distinguishable", contrast_seen=0.01), "inclusion")
+    assert none.level is Level.PASSED and "contrasts above 3 % would have been seen" in none.sentence
+    unknown = criterion(judged(measurement, inclusion="not judged"), "inclusion")
+    assert unknown.level is Level.NOT_JUDGED
 
 
 def test_what_the_checks_of_a_force_record_found_is_a_warning_in_their_words(measurement):

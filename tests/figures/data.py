@@ -60,7 +60,11 @@ def evaluation(level: str = "pass", **attributes) -> xr.Dataset:
     force = {f"edge_force{end}": rng.uniform(0.5, 1.0, (steps, len(EDGES), 2)) for end in ("", *_AT)}
     angles = {key: ("cell", cell()) for key in ("anisotropy", "anisotropy_true", "fibre_angle", "fibre_angle_true")}
     curve = ("location", "curve_point", "i")
-    judged = {"run": json.dumps({"case": "half", "method": "m"}), "verdict": json.dumps(verdict(level))}
+    judged = {
+        "run": json.dumps({"case": "half", "method": "m"}),
+        "verdict": json.dumps(verdict(level)),
+        "summary": json.dumps({"inclusion": "distinguishable"}),
+    }
     return xr.Dataset(
         _grid()
         | {key: (("load_step", "edge", "i"), value) for key, value in force.items()}
@@ -78,6 +82,16 @@ def evaluation(level: str = "pass", **attributes) -> xr.Dataset:
         },
         attrs=COMMON | judged | attributes,
     )
+
+
+def without_inclusion(judged: xr.Dataset) -> xr.Dataset:
+    """The same run where no inclusion was distinguishable."""
+    summary = {"inclusion": "none distinguishable", "detectable_contrast": 0.0345}
+    known = xr.DataArray([1.0, np.nan], dims="location")
+    drawn = ("curve_location", "curve_identified", "curve_true")
+    fields = {name: judged[name] * known for name in drawn} | {"shape": 0 * judged["shape"]}
+    transposed = {name: field.transpose(*judged[name].dims) for name, field in fields.items()}
+    return judged.assign(transposed).assign_attrs(judged.attrs | {"summary": json.dumps(summary)})
 
 
 _AT = ("_at_measured", "_at_identified")

@@ -1,16 +1,17 @@
 """What every figure promises: the numbers of its files, units, shared scales, embedded fonts, the same bytes."""
 
+import json
 import re
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 
 from hypernode.figures.comparison import ComparisonError
 from hypernode.figures.render import LAYOUTS, compose
 from hypernode.figures.style import RC, colour_bar, draw_field, save, shared_norm, unit_label
-from tests.figures.data import evaluation, figure_input
+from tests.figures.data import evaluation, figure_input, references, without_inclusion
 
 
 @pytest.fixture(autouse=True)
@@ -69,6 +70,40 @@ def test_truth_and_identified_material_share_their_colours():
     figure = compose(*figure_input("identification", "pass"))
     scales = [field(panel(figure, letter)).get_clim() for letter in "cd"]
     assert scales[0] == scales[1]
+
+
+@pytest.mark.parametrize("kind", ["identification", "overview", "anisotropy"])
+def test_a_run_without_inclusion_has_no_second_curve_and_no_contour(kind):
+    data, settings = figure_input(kind, "pass")
+    with_one = compose(data, settings)
+    without = compose(data | {"evaluation": without_inclusion(data["evaluation"])}, settings)
+
+    def named(figure):
+        return [text for axes in figure.axes for text in axes.get_legend_handles_labels()[1]]
+
+    assert any(text.startswith("inclusion") for text in named(with_one))
+    assert named(without) == [text for text in named(with_one) if not text.startswith("inclusion")]
+    for figure, outlined in ((with_one, kind != "anisotropy"), (without, False)):
+        lines = [each for axes in figure.axes for each in axes.collections if isinstance(each, LineCollection)]
+        # A colour bar has an empty one of its own.
+        assert any(len(each.get_segments()) > 3 for each in lines) is outlined
+
+
+@pytest.mark.parametrize("kind", ["identification", "overview"])
+def test_a_run_without_inclusion_says_which_contrast_would_have_been_seen(kind):
+    data, settings = figure_input(kind, "pass")
+    figure = compose(data | {"evaluation": without_inclusion(data["evaluation"])}, settings)
+    titles = [axes.get_legend().get_title().get_text() for axes in figure.axes if axes.get_legend()]
+    assert "no inclusion distinguishable;\ncontrasts above 3.45 %\nwould have been seen" in titles
+
+
+def test_a_sheet_of_a_phase_that_was_not_found_is_drawn_without_a_number():
+    summary = json.dumps({"reference_nrmse_matrix": 0.1, "reference_nrmse_inclusion": np.nan})
+    file = references().assign_attrs(summary=summary)
+    data, settings = figure_input("references", "pass")
+    figure = compose(data | {"references": file}, settings)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "no inclusion was found" in labels and "identified matrix, NRMSE 10.0 %" in labels
 
 
 def test_columns_of_a_comparison_share_their_colours_and_rows_their_error():

@@ -33,7 +33,7 @@ def test_a_column_prints_in_the_style_of_its_kind_of_number(kind, name):
     column = COLUMNS[kind][name]
     wanted = {"percent": r"12\.3", "share": r"0\.123", "number": r"0\.123", "count": "0", "text": r"0\.12345"}
     assert re.fullmatch(wanted[column.style], column.shown(0.12345))
-    assert column.shown(None) == column.shown(float("nan")) == ""
+    assert column.shown(None) == column.shown(float("nan")) == "-"
 
 
 @pytest.mark.parametrize(("kind", "name"), ALL)

@@ -42,7 +42,7 @@ def test_the_best_of_a_case_is_bold_and_a_run_alone_is_not(three):
         ["case", "method", "stress error [%]", "Dice [-]", "spread [%]"],
         ["disc", "first", "12.3", "0.877", "50.0"],
         ["disc", "second", "**5.00**", "**0.950**", "25.0"],
-        ["ring", "first", "50.0", "0.500", ""],
+        ["ring", "first", "50.0", "0.500", "-"],
     ]
     latex = latex_text(table)
     assert r"disc & second & \textbf{5.00} & \textbf{0.950} & 25.0 \\" in latex

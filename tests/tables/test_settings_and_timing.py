@@ -17,8 +17,8 @@ def test_moduli_and_angles_have_their_units():
     entries = {"soft": {"model": "neo_hookean", "mu": 1.0}, "stiff": {"model": "goh", "k2": 0.5, "fibre_angle": 30.0}}
     assert rows_of(markdown_text(settings(entries))) == [
         ["name", "model", "mu [Pa]", "k2", r"fibre\_angle [degree]"],
-        ["soft", r"neo\_hookean", "1.0", "", ""],
-        ["stiff", "goh", "", "0.5", "30.0"],
+        ["soft", r"neo\_hookean", "1.0", "-", "-"],
+        ["stiff", "goh", "-", "0.5", "30.0"],
     ]
 
 
@@ -43,7 +43,7 @@ def test_costs_are_those_of_the_records(tmp_path):
     assert csv_text(table).splitlines()[1:] == ["disc,(all),forward,3.456789,389.123", "disc,m,training,0.12,"]
     assert rows_of(markdown_text(table))[1:] == [
         ["disc", "(all)", "forward", "3.46", "389"],
-        ["disc", "m", "training", "0.120", ""],
+        ["disc", "m", "training", "0.120", "-"],
     ]
 
 

@@ -8,7 +8,12 @@ from dataclasses import dataclass
 import xarray as xr
 
 from hypernode.data.measurement import is_cut_out
+from hypernode.evaluation.phases import NOT_JUDGED, SEEN
 from hypernode.verdict import Criterion, Ending, Level, Verdict
+
+
+#: How many phases may be distinguishable, in words.
+NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,7 @@ def judge_run(
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
             _spread(summary, settings),
+            _inclusion(summary),
         )
     )
 
@@ -169,3 +175,22 @@ def _spread(summary, settings: Settings) -> Criterion:
     if "spread" not in summary:
         return _not_judged(name, "There are no posterior samples.")
     return _limited(name, "Posterior samples scatter by", summary["spread"], settings.spread)
+
+
+def _inclusion(summary) -> Criterion:
+    """Whether there is one is an answer, and neither of the two is a failing."""
+    name = "inclusion"
+    if summary.get("inclusion", NOT_JUDGED) == NOT_JUDGED:
+        return _not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
+    seen, needed, count = (summary[key] for key in ("contrast_seen", "contrast_needed", "phases_found"))
+    chance = f"{'noise' if 'spread' in summary else 'finite elements'} {_percent(needed)}"
+    if summary["inclusion"] == SEEN:
+        split = "they explain" if count == 2 else "a split in two explains"
+        sentence = f"{NUMERALS[count]} phases are distinguishable: {split} {_percent(seen)} of the stiffness, and {chance}."
+    else:
+        contrast = _percent(summary["detectable_contrast"])
+        sentence = (
+            f"No inclusion is distinguishable: a split in two explains {_percent(seen)} of the stiffness, and {chance}; "
+            f"contrasts above {contrast} would have been seen."
+        )
+    return Criterion(name, Level.PASSED, sentence, seen, needed)

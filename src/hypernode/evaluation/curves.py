@@ -18,7 +18,18 @@ LOCATIONS = ("matrix", "inclusion")
 def curves(
     material: Material, X: Float[np.ndarray, "location 2"], stretches: Float[np.ndarray, " stretch"], kind: str
 ) -> Float[np.ndarray, "location stretch 2"]:
-    """Normal stresses P_xX and P_yY along the stretch of a kind of load; NaN as in :func:`uniaxial_stress`."""
+    """Normal stresses P_xX and P_yY along the stretch of a kind of load; NaN as in :func:`uniaxial_stress`.
+
+    The curve of a location that is NaN is NaN.
+    """
+    there = np.isfinite(X).all(axis=1)
+    drawn = np.full((len(X), len(stretches), 2), np.nan)
+    drawn[there] = _curves_at(material, X[there], stretches, kind)
+    return drawn
+
+
+def _curves_at(material, X, stretches, kind):
+    """The same where every location is known."""
     axis = tensile_axis(kind)
     if axis is None:
         P = equibiaxial_stress(material, X, stretches)
@@ -44,5 +55,7 @@ def score_curves(found: Material, true: Material | None, places, largest: float,
         return drawn
     wanted, summary = curves(true, places, stretch, kind), {}
     for index, phase in enumerate(LOCATIONS):
+        if np.isnan(places[index]).any():
+            continue
         summary[f"curve_nrmse_{phase}"], summary[f"curve_r2_{phase}"] = curve_errors(identified[index], wanted[index])
     return drawn | Judgement({"curve_true": wanted}, summary)

@@ -8,21 +8,22 @@ import xarray as xr
 
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of
+from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, noise_of_steps
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
 from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.noise import score_noise
+from hypernode.evaluation.phases import score_phases
 from hypernode.evaluation.probes import indicator, stress_at_common_F
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
-from hypernode.evaluation.shape import PrintedShape, find_inclusion, most_interior, score_printed, score_shape
-from hypernode.evaluation.spread import score_spread
+from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
+from hypernode.evaluation.spread import Samples, score_spread
 from hypernode.evaluation.truth import cell_means, observed_mode, score_constrained, score_stress
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.material.files import material_of, nearest_cell, posterior_material
+from hypernode.material.files import material_of, nearest_cell
 from hypernode.mechanics.modes import mode_gradients
 
 #: Stretch at which the shape is read from the stress.
@@ -52,7 +53,10 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     true = None if truth is None else material_of(truth)
     stretch, largest = shape_stretch(measurement), float(measurement["stretch"].values.max())
     field = indicator(found, mesh.centres, kind, stretch)
-    shape = find_inclusion(mesh, field)
+    samples = None if constrained is None else Samples.of(constrained, mesh.centres, kind, stretch)
+    deviations = None if samples is None else samples.deviations
+    phases = score_phases(mesh, field, deviations, noisy=bool(noise_of_steps(measurement).any()))
+    shape = phases.variables["shape"] > 0
     judged = Judgement(
         {
             "X": mesh.nodes,
@@ -61,9 +65,9 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
             "stretch": measurement["stretch"].values,
             "edge_force": measurement["edge_force"].values,
             "trace_P": field,
-            "shape": shape.astype(np.int64),
         }
     )
+    judged |= phases
     judged |= _at_both_deformations(files, found)
     modes, true_shape = _at_common_F(files, found, true, kind, mode_gradients(stretches))
     judged |= modes
@@ -77,12 +81,10 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
         judged |= Judgement({"misfit": misfit}, {"interpolant_misfit": float(misfit.max())})
     if constrained is not None:
         judged |= score_ending(constrained)
-        posterior = posterior_material(constrained)
-        if posterior is not None:
-            samples, best = constrained.sizes["posterior_sample"], material_of(constrained)
-            judged |= score_spread(posterior, samples, best, mesh.centres, kind, stretch, true)
+    if samples is not None:
+        judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch))
     judged |= score_shape(mesh, field, shape, true_shape)
-    places = mesh.centres[most_interior(mesh, shape if true is None else true_shape)]
+    places = curve_places(mesh, shape, None if true is None else true_shape)
     return judged | score_curves(found, true, places, largest, kind)
 
 

@@ -26,8 +26,8 @@ def border_cells(mesh: Mesh) -> Bool[np.ndarray, " cell"]:
     return on[mesh.cells].any(axis=1)
 
 
-def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
-    """Split the sheet in two by Otsu's threshold; the inclusion is the side that meets the border less.
+def two_levels(indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Cells on the upper side of Otsu's threshold; none where all are alike.
 
     Between two well separated levels Otsu's criterion is flat and its first maximum hugs the lower
     level; half-way between the two means is the same optimum with the widest margin. A few cells beyond
@@ -45,10 +45,22 @@ def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np
     if np.ptp(indicator) <= 1e-12 * max(np.abs(indicator).max(), 1e-300):
         return np.zeros(len(indicator), dtype=bool)
     high = indicator > threshold_otsu(indicator)
-    high = indicator > 0.5 * (indicator[high].mean() + indicator[~high].mean())
+    return indicator > 0.5 * (indicator[high].mean() + indicator[~high].mean())
+
+
+def inner_side(mesh: Mesh, high: Bool[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """The side of a split that meets the border less: the inclusion."""
     border = border_cells(mesh)
-    share_high, share_low = high[border].mean(), (~high)[border].mean()
-    return high if share_high <= share_low else ~high
+    return high if high[border].mean() <= (~high)[border].mean() else ~high
+
+
+def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Split the sheet in two levels; the inclusion is the side that meets the border less, empty where all are alike.
+
+    Raises:
+        ValueError: as :func:`two_levels`.
+    """
+    return inner_side(mesh, two_levels(indicator))
 
 
 def dice(a, b) -> float:
@@ -118,6 +130,20 @@ def most_interior(mesh: Mesh, shape) -> np.ndarray:
             distance = np.minimum(distance, cKDTree(centres[~side]).query(centres)[0])
         chosen.append(int(np.argmax(np.where(side, distance, -1.0))))
     return np.array(chosen)
+
+
+def curve_places(
+    mesh: Mesh, shape: Bool[np.ndarray, " cell"], true_shape: Bool[np.ndarray, " cell"] | None
+) -> Float[np.ndarray, "location 2"]:
+    """Where the curves of the matrix and of the inclusion are drawn, of the true phases where there are two.
+
+    No place of an inclusion where none was found: NaN.
+    """
+    two = true_shape is not None and true_shape.any() and not true_shape.all()
+    places = mesh.centres[most_interior(mesh, true_shape if two else shape)]
+    if not shape.any():
+        places[1] = np.nan
+    return places
 
 
 @dataclass(frozen=True)

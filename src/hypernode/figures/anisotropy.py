@@ -7,10 +7,9 @@ from matplotlib.colors import Normalize
 from hypernode.evaluation.probes import SMALLEST_ANISOTROPY, uniaxial_stress
 from hypernode.figures.style import (
     ANGLE_MAP,
-    INCLUSION,
-    MATRIX,
     STRAIN_MAP,
     colour_bar,
+    curve_places,
     draw_field,
     indicator_label,
     mark_places,
@@ -74,8 +73,8 @@ def draw(data, settings: dict):
 def _responses(panels, evaluation, found, true) -> None:
     """Panels e and f, on one scale: uniaxial stress along and across the true fibres at the marked points."""
     stretches = np.linspace(1.0, float(evaluation["stretch"].values.max()), CURVE_POINTS)
-    places = zip(evaluation["curve_location"].values, (MATRIX, INCLUSION), ("matrix", "inclusion"), strict=True)
-    for point, colour, name in places:
+    for index, name, colour in curve_places(evaluation):
+        point = evaluation["curve_location"].values[index]
         fibre = np.deg2rad(_true_angle(evaluation, point))
         for axes, turn in zip(panels, (fibre, fibre + np.pi / 2), strict=True):
             for material, style, kind in ((found, "-", "identified"), (true, "o", "truth")):

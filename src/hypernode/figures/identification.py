@@ -7,15 +7,15 @@ from matplotlib.lines import Line2D
 from hypernode.evaluation.probes import indicator
 from hypernode.fem.mesh import EDGES
 from hypernode.figures.style import (
-    INCLUSION,
-    MATRIX,
     NEUTRAL,
     SECOND,
     STRAIN_MAP,
     colour_bar,
+    curve_places,
     draw_field,
     force_label,
     from_zero,
+    inclusion_note,
     indicator_label,
     is_biaxial,
     mark_places,
@@ -68,10 +68,10 @@ def _forces(axes, data, units):
 
 
 def _curves(axes, data, units):
-    """Panel f: stress against stretch at a point of the matrix and one of the inclusion."""
+    """Panel f: stress against stretch at a point of the matrix and, where there is one, of the inclusion."""
     kind, stretch, found = data.attrs["load"], data["curve_stretch"].values, data["curve_identified"].values
     component = tensile_axis(kind) or 0
-    for index, (name, colour) in enumerate((("matrix", MATRIX), ("inclusion", INCLUSION))):
+    for index, name, colour in curve_places(data):
         axes.plot(stretch, found[index, :, component], color=colour, label=f"{name}, identified")
         if "curve_true" in data:
             true = data["curve_true"].values[index, ::2, component]
@@ -80,7 +80,7 @@ def _curves(axes, data, units):
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + unit_label(units["stress"]))
     # Room for the legend above the curves, which fill both lower corners.
     axes.set_ylim(top=1.7 * axes.get_ylim()[1])
-    axes.legend(loc="upper left")
+    axes.legend(loc="upper left", title=inclusion_note(data), title_fontsize="x-small", alignment="left")
 
 
 def _materials(figure, truth_axes, found_axes, data, truth, label):
@@ -137,7 +137,7 @@ def draw(data, settings: dict):
         known,
         f"identified, all at {stretch:.3g}",
         "edge forces",
-        "response at two points",
+        f"response at {'two points' if len(curve_places(evaluation)) == 2 else 'one point'}",
     )
     for letter, axes, title in zip("abcdef", grid.ravel(), titles, strict=True):
         axes.set_title(f"({letter}) {title}" if title else "", loc="left")

@@ -6,12 +6,12 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 from hypernode.figures.style import (
     FIELD_MAP,
-    INCLUSION,
-    MATRIX,
     NEUTRAL,
     STRAIN_MAP,
     colour_bar,
+    curve_places,
     draw_field,
+    inclusion_note,
     indicator_label,
     is_biaxial,
     mark_places,
@@ -38,9 +38,9 @@ def _arrow(figure, start, end):
 
 
 def _curves(curve, data):
-    """Stress-stretch curves of the two marked points, with the truth where it is known."""
+    """Stress-stretch curves of the marked points, with the truth where it is known."""
     component = 1 if data.attrs["load"].endswith("_y") else 0
-    for index, (colour, name) in enumerate(((MATRIX, "matrix"), (INCLUSION, "inclusion"))):
+    for index, name, colour in curve_places(data):
         found = data["curve_identified"].values[index, :, component]
         curve.plot(data["curve_stretch"].values, found, color=colour, label=f"{name}, identified")
         if "curve_true" in data:
@@ -51,7 +51,7 @@ def _curves(curve, data):
     curve.set_ylabel(f"$P_{{{'yY' if component else 'xX'}}}$" + unit_label(units_of(data)["stress"]))
     # Room for the legend above the curves, which fill both lower corners.
     curve.set_ylim(top=1.6 * curve.get_ylim()[1])
-    curve.legend(loc="upper left")
+    curve.legend(loc="upper left", title=inclusion_note(data), title_fontsize="x-small", alignment="left")
 
 
 def draw(data, settings: dict):

@@ -40,9 +40,10 @@ def draw(data, settings: dict):
             np.concatenate([[0.0], file[key].values[steps, edge, axis]])
             for key in ("edge_force", "edge_force_identified")
         )
-        error = 100 * summary[f"reference_nrmse_{phase}"]
+        error = summary[f"reference_nrmse_{phase}"]
         axes.plot(stretch, measured, marker, color=colour, mfc="none", ms=5, label=f"measured, {sheet}")
-        axes.plot(stretch, found, "-", color=colour, label=f"identified {shown}, NRMSE {significant(error)} %")
+        judged = f"identified {shown}, NRMSE {significant(100 * error)} %" if error == error else f"no {shown} was found"
+        axes.plot(stretch, found, "-", color=colour, label=judged)
     axes.set_xlabel("mean stretch [-]")
     axes.set_ylabel("edge force" + force_label(units_of(file)))
     from_zero(axes)

@@ -1,5 +1,7 @@
 """One look for every figure: fonts, colours, field maps, labels, saving."""
 
+import json
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -9,8 +11,10 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
+from hypernode.evaluation.phases import NONE
 from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import write_bytes_atomically
+from hypernode.tables.columns import significant
 
 #: Okabe-Ito colours, told apart with any colour vision.
 MATRIX, INCLUSION, NEUTRAL, SECOND = "#0072B2", "#D55E00", "#444444", "#009E73"
@@ -67,10 +71,26 @@ def outline(axes, data, shape, color="white"):
     axes.add_collection(LineCollection(data["X"].values[sides[border]], colors=color, linewidths=0.9))
 
 
+def curve_places(data) -> list[tuple[int, str, str]]:
+    """(index of the location, name, colour) of the matrix, and of the inclusion where there is one."""
+    there = np.isfinite(data["curve_location"].values).all(axis=1)
+    known = enumerate(zip(("matrix", "inclusion"), (MATRIX, INCLUSION), strict=True))
+    return [(index, name, colour) for index, (name, colour) in known if there[index]]
+
+
+def inclusion_note(data) -> str | None:
+    """That there is no inclusion and which would have been seen, above the curves; None where one may be drawn."""
+    summary = json.loads(data.attrs["summary"])
+    if summary.get("inclusion") != NONE:
+        return None
+    contrast = significant(100.0 * summary["detectable_contrast"])
+    return f"no inclusion distinguishable;\ncontrasts above {contrast} %\nwould have been seen"
+
+
 def mark_places(axes, data) -> None:
     """Mark the points of matrix and inclusion at which curves are drawn."""
-    for (x, y), colour in zip(data["curve_location"].values, (MATRIX, INCLUSION), strict=True):
-        axes.plot(x, y, "s", color=colour, mec="white", ms=5)
+    for index, _, colour in curve_places(data):
+        axes.plot(*data["curve_location"].values[index], "s", color=colour, mec="white", ms=5)
 
 
 def shared_norm(*fields) -> Normalize:

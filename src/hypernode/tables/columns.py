@@ -41,9 +41,9 @@ class Column:
         return f"{name} [{'%' if self.style == 'percent' and not stored else self.unit}]"
 
     def shown(self, value) -> str:
-        """A value as printed; nothing where it is missing."""
+        """A value as printed; a dash where it is missing."""
         if value is None or value != value:
-            return ""
+            return "-"
         if self.style == "text":
             return str(value)
         if self.style == "count":
@@ -102,6 +102,11 @@ _RUNS = {
     "nodal residual at identified F": _error("equilibrium_residual_identified", "identified"),
     "equilibrium gap at measured F": _error("equilibrium_gap_measured", "measured"),
     "equilibrium gap at identified F": _error("equilibrium_gap_identified", "identified"),
+    "inclusion": Column("inclusion", "text", judged_at="prescribed"),
+    "contrast seen": Column("contrast_seen", "percent", judged_at="prescribed"),
+    "contrast needed": Column("contrast_needed", "percent", judged_at="prescribed"),
+    "detectable contrast": Column("detectable_contrast", "percent", judged_at="prescribed"),
+    "phases found": Column("phases_found", "count", judged_at="prescribed"),
     "inclusion / matrix": Column("inclusion_over_matrix", "number", judged_at="prescribed"),
     "interpolant misfit": Column("interpolant_misfit", "percent"),
     "SNR measured": Column("snr_measured", "number", "dB"),
