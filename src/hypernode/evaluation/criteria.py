@@ -11,7 +11,6 @@ from hypernode.data.measurement import is_cut_out
 from hypernode.evaluation.phases import NOT_JUDGED, SEEN
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
-
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
@@ -184,13 +183,11 @@ def _inclusion(summary) -> Criterion:
         return _not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
     seen, needed, count = (summary[key] for key in ("contrast_seen", "contrast_needed", "phases_found"))
     chance = f"{'noise' if 'spread' in summary else 'finite elements'} {_percent(needed)}"
+    split = "they explain" if count == 2 else "a split in two explains"
+    explained = f"{split} {_percent(seen)} of the stiffness, and {chance}"
     if summary["inclusion"] == SEEN:
-        split = "they explain" if count == 2 else "a split in two explains"
-        sentence = f"{NUMERALS[count]} phases are distinguishable: {split} {_percent(seen)} of the stiffness, and {chance}."
+        sentence = f"{NUMERALS[count]} phases are distinguishable: {explained}."
     else:
-        contrast = _percent(summary["detectable_contrast"])
-        sentence = (
-            f"No inclusion is distinguishable: a split in two explains {_percent(seen)} of the stiffness, and {chance}; "
-            f"contrasts above {contrast} would have been seen."
-        )
+        visible = f"contrasts above {_percent(summary['detectable_contrast'])} would have been seen"
+        sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

@@ -85,7 +85,7 @@ def needed_of(explained_by_chance: Float[np.ndarray, " sample"]) -> float:
     """
     if not len(explained_by_chance):
         return FLOOR
-    # The estimator of quantiles without bias in the median: few samples lie closer together than what they are drawn of.
+    # Without bias in the median: quantiles of few samples lie closer together than those they are drawn of.
     lower, middle, upper = np.quantile(explained_by_chance, (0.25, 0.5, 0.75), method="median_unbiased")
     return max(FLOOR, float(middle + BEYOND * (upper - lower) / QUARTILES_APART))
 

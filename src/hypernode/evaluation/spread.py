@@ -48,7 +48,7 @@ class Samples:
 
 
 def score_spread(samples: Samples, true: Float[np.ndarray, " cell"] | None) -> Judgement:
-    """Spread of the indicator of stiffness over the posterior samples, and its coverage of the true one, where known."""
+    """Spread of the indicator of stiffness over the posterior samples, and its coverage of the true one."""
     spread = sample_spread(samples.values)
     summary = {"spread": float(np.sqrt(np.mean(spread**2) / np.mean(samples.best**2)))}
     if true is not None:

@@ -42,7 +42,8 @@ def draw(data, settings: dict):
         )
         error = summary[f"reference_nrmse_{phase}"]
         axes.plot(stretch, measured, marker, color=colour, mfc="none", ms=5, label=f"measured, {sheet}")
-        judged = f"identified {shown}, NRMSE {significant(100 * error)} %" if error == error else f"no {shown} was found"
+        known = error == error
+        judged = f"identified {shown}, NRMSE {significant(100 * error)} %" if known else f"no {shown} was found"
         axes.plot(stretch, found, "-", color=colour, label=judged)
     axes.set_xlabel("mean stretch [-]")
     axes.set_ylabel("edge force" + force_label(units_of(file)))
