@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from hypernode.data.measurement import is_cut_out
-from hypernode.evaluation.phases import NOT_JUDGED, SEEN
+from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 #: How many phases may be distinguishable, in words.
@@ -182,7 +182,7 @@ def _inclusion(summary) -> Criterion:
     if summary.get("inclusion", NOT_JUDGED) == NOT_JUDGED:
         return _not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
     seen, needed, count = (summary[key] for key in ("contrast_seen", "contrast_needed", "phases_found"))
-    chance = f"{'noise' if 'spread' in summary else 'finite elements'} {_percent(needed)}"
+    chance = f"{'noise' if needed > FLOOR else 'finite elements'} {_percent(needed)}"
     split = "they explain" if count == 2 else "a split in two explains"
     explained = f"{split} {_percent(seen)} of the stiffness, and {chance}"
     if summary["inclusion"] == SEEN:
