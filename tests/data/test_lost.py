@@ -30,6 +30,16 @@ def test_a_linear_field_is_filled_in_exactly_and_nothing_measured_changes():
     assert filled(mesh, u[None]) is not None and np.array_equal(filled(mesh, u[None])[0], u)
 
 
+def test_a_lost_outline_makes_no_sheet_less_stretched():
+    """The deformation goes on there, although nothing beyond the lost points says so."""
+    mesh = grid(6)
+    u = mesh.nodes @ [[0.1, 0.02], [-0.03, 0.2]] + 0.5
+    gappy = np.repeat(u[None], 2, axis=0)
+    gappy[0, (mesh.nodes[:, 1] < 0.3) & (np.abs(mesh.nodes[:, 0] - 0.5) < 0.3)] = np.nan
+    gappy[1, mesh.nodes[:, 0] > 0.6] = np.nan
+    np.testing.assert_allclose(filled(mesh, gappy), [u, u], atol=1e-12)
+
+
 def test_the_line_through_known_points_goes_on_straight():
     x = np.array([0.0, 1.0, 2.0, 4.0, 5.0])
     known = np.array([1.0, 2.0, 4.0])

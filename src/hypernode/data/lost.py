@@ -12,8 +12,9 @@ from hypernode.fem.nodal_forces import stiffness_matrix
 def filled(mesh: Mesh, u: Float[np.ndarray, "step node 2"]) -> Float[np.ndarray, "step node 2"]:
     """Displacements with those of lost points, NaN, in place of them what is smoothest between their neighbours.
 
-    The solution of Laplace's equation with the measured displacements around it. Good for a mean over the sheet or a
-    first guess; nothing that is filled in is a measurement.
+    What the measured points deviate from their mean deformation goes on by Laplace's equation, so that a sheet that
+    lost its outline is no less stretched there. Good for a mean over the sheet or a first guess; nothing that is filled
+    in is a measurement.
 
     Raises:
         ValueError: a step has no measured point at all.
@@ -24,9 +25,12 @@ def filled(mesh: Mesh, u: Float[np.ndarray, "step node 2"]) -> Float[np.ndarray,
     if lost.all(axis=1).any():
         raise ValueError(f"load step {int(np.argmax(lost.all(axis=1)))} has no measured point")
     u, K = u.copy(), stiffness_matrix(mesh).tocsc()
+    affine = np.column_stack([mesh.nodes - mesh.nodes.mean(axis=0), np.ones(len(mesh.nodes))])
     for field, gone in zip(u, lost, strict=True):
         if gone.any():
-            field[gone] = factorise(K[gone][:, gone]).solve(-(K[gone][:, ~gone] @ field[~gone]))
+            mean = affine @ np.linalg.lstsq(affine[~gone], field[~gone], rcond=None)[0]
+            rest = factorise(K[gone][:, gone]).solve(-(K[gone][:, ~gone] @ (field - mean)[~gone]))
+            field[gone] = mean[gone] + rest
     return u
 
 
