@@ -8,6 +8,8 @@ from hypernode.mechanics.loads import tensile_axis
 
 #: How far two lengths of a pixel, or field and sheet, may differ: by half a correlation window at every side.
 _ALIKE = 0.05
+#: Share of both sides below which a field is of another unit sooner than of a part of the sheet.
+_HARDLY = 0.1
 #: Digits of a guess: it is no better than the difference above.
 _DIGITS = 4
 _PIXEL = "the length of a pixel on the sheet in mm, --pixel-size MM"
@@ -57,7 +59,7 @@ def _pixel(given: Mapping[str, object], extent: tuple[float, float], load: str) 
 
 
 def _misfit(given: Mapping[str, object], extent: tuple[float, float]) -> Known:
-    """What is strange about a field [mm] that is larger than its sheet."""
+    """What is strange about a field [mm] that is larger than its sheet, or a spot of it."""
     for key, points in zip(("width", "height"), extent, strict=True):
         if points > (1.0 + _ALIKE) * given[key]:
             return odd(
@@ -65,4 +67,10 @@ def _misfit(given: Mapping[str, object], extent: tuple[float, float]) -> Known:
                 f"{given['height']:.4g} mm: points lie beyond it; check the size and pixel_size",
                 key,
             )
+    if all(points < _HARDLY * given[key] for key, points in zip(("width", "height"), extent, strict=True)):
+        return odd(
+            f"the field is {extent[0]:.4g} x {extent[1]:.4g} mm, hardly a spot of the sheet of {given['width']:.4g} x "
+            f"{given['height']:.4g} mm: check the size, pixel_size and the unit of the files",
+            "width",
+        )
     return Known()
