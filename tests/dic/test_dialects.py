@@ -99,6 +99,16 @@ def test_a_reference_that_is_not_exported_is_the_frame_before_the_first(tmp_path
     assert not series.frames[0].displacement.any() and "counts as frame 0" in capsys.readouterr().err
 
 
+def test_rounding_in_the_reference_makes_it_no_deformed_frame(tmp_path):
+    """A picture compared with itself: what is left is no motion, and no frame was taken before it."""
+    write(tmp_path, "dice")
+    first = min(tmp_path.iterdir())
+    lines = first.read_text().splitlines()
+    moved = [",".join([*row.split(",")[:3], "1e-06", "-2e-06", "0"]) for row in lines[5:]]
+    first.write_text("\n".join([*lines[:5], *moved, ""]))
+    assert [frame.number for frame in read_series(tmp_path).frames] == [0, 1, 2]
+
+
 def test_increments_are_refused(tmp_path):
     write(tmp_path, "dice")
     for path in tmp_path.iterdir():
@@ -162,7 +172,7 @@ def test_a_declared_table_is_read_as_it_is_declared(tmp_path):
     for k in range(2):
         rows = [f"{p[0]:g}\t{p[1]:g}\t{p[2]:.9g}\t{p[3]:.9g}".replace(".", ",") for p in points(k, 0.5, y_up=False)]
         (tmp_path / f"mine_{k}.txt").write_text("\n".join(["a note", "px\tpy\tdx\tdy", *rows]))
-    with pytest.raises(DicError, match=r"no frames: .*mine_0\.txt begins 'a note'.* format: table"):
+    with pytest.raises(DicError, match=r"no frames: .*mine_0\.txt begins 'a note'.* set format to table"):
         read_series(tmp_path)
     columns = {"x": "px", "y": "py", "u": "dx", "v": "dy", "delimiter": "\t", "decimal": ","}
     declared = specimen(tmp_path, format="table", table={**columns, "unit": "mm"}, y_points="down")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_checks import check_rise, check_stiffness, check_units
+from hypernode.dic.force_checks import check_reach, check_rise, check_stiffness, check_units
 from hypernode.dic.force_clock import agreed_offset, check_clock, estimate_offsets
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
@@ -70,6 +70,19 @@ def test_the_crosshead_of_another_test_is_warned_of():
     offsets = estimate_offsets(FRAMES, np.interp(FRAMES, TIME, STRETCH), TIME, FORCE, displacement)
     findings = check_clock(offsets[:1], 0.2, accepted=False)
     assert [f.refused for f in findings] == [False] and "unlike the sheet" in findings[0].sentence
+
+
+def test_a_record_that_pulls_at_other_times_than_the_frames_names_them():
+    late = np.where(TIME < 15.0, 0.0, FORCE)
+    (finding,) = check_reach(np.linspace(0.0, 4.0, 9), TIME, late)
+    assert finding.refused and "from 0 to 4 s" in finding.sentence and "first_frame_time" in finding.sentence
+    assert check_reach(FRAMES, TIME, FORCE) == check_reach(np.linspace(0.0, 4.0, 9), TIME, FORCE) == []
+
+
+def test_a_crosshead_at_rest_while_the_frames_are_taken_tells_no_clock():
+    displacement = LENGTH * np.clip(TIME - 15.0, 0.0, None)
+    frames = np.linspace(0.0, 4.0, 9)
+    assert estimate_offsets(frames, 1.0 + 0.02 * frames, TIME, 0.0 * TIME, displacement) == []
 
 
 @pytest.mark.parametrize(

@@ -130,5 +130,5 @@ def test_samples_of_one_time_are_averaged_and_nothing_is_extrapolated(tmp_path):
     np.testing.assert_allclose(matched.forces(np.array([1, 3, 4])), [0.0, 3.0, 4.5])
     with pytest.raises(DicError, match="ends at 2 s, before frame 6"):
         matched.forces(np.array([6]))
-    with pytest.raises(DicError, match="begins after the first chosen frame"):
+    with pytest.raises(DicError, match="begins at 1 s, after frame 1 at 0 s: set first_frame_time"):
         pull(record(tmp_path, "Time,Force\n(s),(N)\n1,0\n2,2\n")).forces(np.array([1]))

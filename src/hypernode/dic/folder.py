@@ -51,7 +51,7 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
         groups.setdefault(_skeleton(path.name), []).append(path)
     series = [(found, group) for group in groups.values() if (found := _dialect_of(group, known))]
     if not series:
-        raise DicError(_nothing(folder, paths, known))
+        raise DicError(_nothing(folder, max(groups.values(), key=len, default=[]), known))
     if series[0][0].content in ("matrices",):
         files = sorted(path for found, group in series if found is series[0][0] for path in group)
         series = [(series[0][0], files)]
@@ -99,17 +99,20 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
 
 
 def _nothing(folder: Path, paths: list[Path], known) -> str:
-    """What was seen in a folder without a series, and what is known."""
+    """What was seen in a folder without a series, of which the most files have these names, and what is known."""
     expected = known[0].name if len(known) == 1 else "a format that is known"
+    about = f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found"
+    inner = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.*")))
+    if not paths and inner:
+        return f"{about} the folders {shown(path.name for path in inner)}: each test has a folder of its own"
     first = ""
     for path in paths[:1]:
         if path.suffix.lower() != ".mat":
             lines = read_text(path, HEAD_BYTES).splitlines() or [""]
             first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
-        f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found "
-        f"{shown(path.name for path in paths) or 'no table'}{first}; for any other table say format: table and its "
-        "columns"
+        f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
+        "and table to its columns: {x: ..., y: ..., u: ..., v: ..., unit: mm}"
     )
 
 

@@ -95,6 +95,28 @@ def check_rise(
     ]
 
 
+def check_reach(
+    frame_time: Float[np.ndarray, " frame"],
+    time: Float[np.ndarray, " sample"],
+    force: Float[np.ndarray, " sample"],
+    limits: ForceLimits = LIMITS,
+) -> list[Finding]:
+    """The machine pulls [N] while the frames are taken, and not at other times of its record [s] only."""
+    begin, end = frame_time.min(initial=np.inf), frame_time.max(initial=-np.inf)
+    during = force[(time >= begin) & (time <= end)]
+    peak = int(np.argmax(force))
+    if not during.size or begin <= time[peak] <= end or np.ptp(during) > limits.least_rise * np.ptp(force):
+        return []
+    return [
+        Finding(
+            f"from {begin:.4g} to {end:.4g} s, when the frames are taken, the force stays between {during.min():.4g} "
+            f"and {during.max():.4g} N, and at {time[peak]:.4g} s it is {force[peak]:.4g} N: set first_frame_time to "
+            "the time of the first frame in the clock of the record, and check frame_rate",
+            True,
+        )
+    ]
+
+
 def check_rest(force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS) -> list[Finding]:
     """The reference, the first of the frames, carries no force [N]: it is the state without stress."""
     largest = np.abs(force[1:]).max(initial=0.0)

@@ -11,6 +11,8 @@ from hypernode.dic.force_checks import LIMITS, Finding, ForceLimits
 _LAGS = 10
 #: Shares of the largest force between which its onset is a straight line.
 _ONSET = (0.05, 0.1)
+#: Correlation that is given to an offset at which one of the two does not move.
+_UNSEEN = -1.0
 
 
 @dataclass(frozen=True)
@@ -62,10 +64,11 @@ def estimate_offsets(
     return [each for each in (rates, onset) if each is not None]
 
 
-def _from_rates(frame_time, stretch, time, displacement) -> ClockOffset:
+def _from_rates(frame_time, stretch, time, displacement) -> ClockOffset | None:
     """Largest cross-correlation of the rates of stretch and displacement between frames.
 
-    Before the reference the sheet is at rest, before the record the machine is: this pins a pull at one pace.
+    None where the crosshead is at rest at every offset that is tried. Before the reference the sheet is at rest, before
+    the record the machine is: this pins a pull at one pace.
     """
     interval = float(np.median(np.diff(frame_time)))
     reach = max(0.5 * (frame_time[-1] - frame_time[0]), 3.0 * interval)
@@ -75,6 +78,8 @@ def _from_rates(frame_time, stretch, time, displacement) -> ClockOffset:
     lags = interval / _LAGS * np.arange(-np.floor(_LAGS * reach / interval), np.floor(_LAGS * reach / interval) + 1)
     agreement = np.array([_agreement(at, pace, lag, time, displacement) for lag in lags])
     best = int(np.argmax(agreement))
+    if agreement[best] <= _UNSEEN:
+        return None
     # Frames are as independent as their noise: the misfit of n of them doubles one n-th above its least.
     misfit = np.clip(1.0 - agreement**2, 0.0, None)
     low, high = max(best - _LAGS, 0), min(best + _LAGS, len(lags) - 1)
@@ -90,7 +95,7 @@ def _agreement(at, pace, lag, time, displacement) -> float:
     moved = (np.diff(np.interp(at + lag, time, displacement)) / np.sqrt(np.diff(at)))[within[1:]]
     seen = pace[within[1:]]
     size = np.sqrt((seen @ seen) * (moved @ moved))
-    return float(seen @ moved / size) if size > 0.0 and within.sum() > 0.5 * len(at) else -1.0
+    return float(seen @ moved / size) if size > 0.0 and within.sum() > 0.5 * len(at) else _UNSEEN
 
 
 def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:

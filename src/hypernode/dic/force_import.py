@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_checks import Finding, check_rest, check_rise, check_stiffness, check_units
+from hypernode.dic.force_checks import Finding, check_reach, check_rest, check_rise, check_stiffness, check_units
 from hypernode.dic.force_clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.force_dialects import PULL
 from hypernode.dic.force_matching import PullRecord, pull_record
@@ -95,9 +95,12 @@ def _components(test: SpecimenTest, record: ForceRecord) -> list[Component]:
     wanted = list(RESULTANTS[test.load])
     if record.axes == (PULL,):
         if len(wanted) > 1:
+            way_out = "say which column is which, force_channel: {x: ..., y: ...}"
+            if record.path.is_dir():
+                way_out = "put the machine's record with both into the folder, force_file"
             raise DicError(
                 f"{record.path}: one force ({record.channels[0]!r}), and a {test.load} test has one along x and one "
-                "along y: say which column is which, force_channel: {x: ..., y: ...}"
+                f"along y: {way_out}"
             )
         return wanted
     known = [part for part in wanted if "xy"[part[0]] in record.axes]
@@ -149,6 +152,8 @@ def _until_the_last(series: Series, course: Float[np.ndarray, " frame"], chosen)
 def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Finding]:
     """What is strange about one force, against the course of the stretch with which it should grow."""
     seen = (numbers <= chosen.max()) & np.isfinite(course)
+    if pull.image is None and (elsewhere := check_reach(pull.times(numbers[seen]), pull.time, pull.force)):
+        return elsewhere
     at_steps = np.array([course[numbers == number][0] for number in chosen])
     reached = pull.reached(numbers[seen])
     forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)

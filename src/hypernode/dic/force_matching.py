@@ -61,8 +61,12 @@ class PullRecord:
                 f"{path}: ends at {self.time[-1]:g} s, before frame {numbers[late][0]} at "
                 f"{time[late][0]:g} s: check frame_rate and first_frame_time"
             )
-        if (time < self.time[0]).any():
-            raise DicError(f"{path}: begins after the first chosen frame: check first_frame_time")
+        early = time < self.time[0]
+        if early.any():
+            raise DicError(
+                f"{path}: begins at {self.time[0]:g} s, after frame {numbers[early][0]} at {time[early][0]:g} s: set "
+                "first_frame_time to the time of the first frame in the clock of the record"
+            )
         return np.interp(time, self.time, self.force)
 
     def reached(self, numbers: Int[np.ndarray, " frame"]) -> np.ndarray:

@@ -43,8 +43,30 @@ def frame_clock(test: SpecimenTest, series: Series) -> FrameClock | None:
     first = series.frames[0].number
     if test.frame_rate is not None:
         return FrameClock(np.array([first, first + 1.0]), np.array([later, later + 1.0 / test.frame_rate]))
+    said = _said(series)
+    return said and said.later(later)
+
+
+def _said(series: Series) -> FrameClock | None:
+    """The times that the files say; None where fewer than two do, or they do not increase."""
     known = [(frame.number, frame.time) for frame in series.frames if frame.time is not None]
     if len(known) < 2 or not (np.diff([time for _, time in known]) > 0.0).all():
         return None
     number, time = map(np.array, zip(*known, strict=True))
-    return FrameClock(number.astype(float), time + later)
+    return FrameClock(number.astype(float), time.astype(float))
+
+
+def times_contradicted(test: SpecimenTest, series: Series) -> str:
+    """A sentence where the frame rate says other times than the files, by more than a frame; else empty."""
+    said = _said(series)
+    if test.frame_rate is None or said is None:
+        return ""
+    numbers = said.number[[0, -1]]
+    by_rate, by_files = float(np.ptp(numbers)) / test.frame_rate, float(np.ptp(said.at(numbers)))
+    if abs(by_files - by_rate) <= by_files / np.ptp(numbers):
+        return ""
+    return (
+        f"frame_rate = {test.frame_rate:g} takes frame {numbers[1]:g} for {by_rate:.4g} s after frame {numbers[0]:g}, "
+        f"and the files say {by_files:.4g} s ({said.time[0]:.4g} to {said.time[-1]:.4g} s): leave frame_rate out if "
+        "they are right"
+    )

@@ -7,14 +7,22 @@ from jaxtyping import Float
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
+from hypernode.dic.grid import FEWEST_LINES
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 
 
 def trimmed(series: Series, ring: int) -> Series:
     """The series without the outermost rings of points."""
-    if min(len(series.x), len(series.y)) <= 2 * ring + 2:
-        raise DicError(f"edge_ring = {ring} leaves no grid of {len(series.x)} x {len(series.y)} points")
+    columns, rows = (len(lines) - 2 * ring for lines in (series.x, series.y))
+    if min(columns, rows) < FEWEST_LINES:
+        folder = series.files[0].parent if series.files else "the series"
+        left = f"{max(columns, 0)} x {max(rows, 0)} of {len(series.x)} x {len(series.y)} points"
+        raise DicError(
+            f"{folder}: edge_ring = {ring} leaves {left}, and a grid has {FEWEST_LINES} x {FEWEST_LINES} at least: set "
+            f"edge_ring to {max((min(len(series.x), len(series.y)) - FEWEST_LINES) // 2, 0)} at most, or export points "
+            "that lie closer together"
+        )
     cut = slice(ring, -ring or None)
     frames = [type(f)(f.number, f.displacement[cut, cut], f.time, f.force) for f in series.frames]
     return Series(series.x[cut], series.y[cut], frames, series.unit)

@@ -10,7 +10,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.config.specimens import Specimen
 from hypernode.dic.camera_motion import camera_motion, without
 from hypernode.dic.force_import import Component, import_forces
-from hypernode.dic.frame_clock import frame_clock
+from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, select_frames, trimmed
 from hypernode.dic.noise_steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
@@ -79,7 +79,8 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
     else:
         sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
         found = import_forces(test, sections, series, clock, numbers)
-        forces, record, findings, time = found.force, (found.path,), found.findings, found.time
+        forces, record, time = found.force, (found.path,), found.time
+        findings = (*_said_otherwise(test, series), *found.findings)
         used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
         relaxation = relaxation_of(test, series, Series(series.x, series.y, used), found.pulls)
     return LoadCase(
@@ -98,6 +99,14 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
         tuple(path for path in (*record, *full.files) if path.is_file()),
         findings,
     )
+
+
+def _said_otherwise(test: SpecimenTest, series: Series) -> tuple[str, ...]:
+    """What the configuration says of the frames' times and the files do not, as a warning."""
+    sentence = times_contradicted(test, series)
+    if sentence:
+        say("import", test.folder, f"warning: {sentence}")
+    return (sentence,) if sentence else ()
 
 
 def _from_where_the_camera_was(test: SpecimenTest, series: Series) -> tuple[Series, dict[int, float]]:

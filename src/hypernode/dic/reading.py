@@ -21,6 +21,8 @@ from hypernode.progress import say
 
 #: Largest displacement of a reference, in steps of its grid: noise of a second picture of the sheet at rest.
 _AT_REST = 0.05
+#: The same where it is the picture that the others were compared with: rounding. Noise is a hundred times as large.
+_ITSELF = 1e-5
 #: Largest range of the out-of-plane displacement over the size of the sheet.
 MAX_OUT_OF_PLANE = 0.05
 #: Percentiles between which that range is taken: a few points that a camera mistook are not the sheet.
@@ -70,7 +72,7 @@ def read_series(
     dialect = found.dialect if y_points is None else replace(found.dialect, y_up=y_points == "up")
     available, read = _source(found, dialect)
     first = read(available[0])
-    implied = not dialect.reference and bool(np.nan_to_num(first.displacement).any())
+    implied = not dialect.reference and not _is_compared_with_itself(first)
     reference = available[0] - implied
     wanted = sorted(set(available if numbers is None else numbers) - {reference})
     _refuse_absent(folder, wanted, available)
@@ -105,6 +107,12 @@ def read_series(
     files = tuple(found.files[number] for number in used)
     x, y = grid.x - grid.x[0], grid.y - grid.y[0]
     return Series(x, y, frames, first.unit, out_of_plane, files, tilt.degrees if tilt else 0.0)
+
+
+def _is_compared_with_itself(points: Points) -> bool:
+    """Whether a frame is the reference: its displacement is none but for rounding."""
+    step = np.sqrt(np.prod(np.ptp(points.position[:, :2], axis=0)) / len(points.position))
+    return bool(np.abs(np.nan_to_num(points.displacement)).max() <= _ITSELF * step)
 
 
 def _refuse_absent(folder: Path, wanted: list[int], available: list[int]) -> None:

@@ -11,7 +11,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.force_clock import ClockOffset
 from hypernode.dic.force_record import record_of_frames
-from hypernode.dic.frame_clock import frame_clock
+from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, trimmed
 from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
@@ -160,6 +160,8 @@ def _with_forces(seen: Inspection) -> Inspection:
     clock = frame_clock(test, seen.field.series)
     if cycle is None:
         return seen
+    if contradicted := times_contradicted(test, seen.field.series):
+        seen = _and(seen, odd(contradicted, "frame_rate"))
     if cycle.record.image is None and clock is None:
         return _and(seen, missing(_no_clock(seen, cycle), "frame_rate"))
     found, offsets = courses(test, seen.kept, cycle.record, clock)
@@ -199,7 +201,8 @@ def _imported(seen: Inspection) -> Inspection:
             sheet = import_specimen(seen.known.specimen(seen.folder))
         except DicError as error:
             return _and(seen, missing(str(error)))
-    findings = [odd(sentence) for case in sheet.cases for sentence in case.findings]
+    told = {remark.sentence for remark in seen.known.odd}
+    findings = [odd(each) for case in sheet.cases for each in case.findings if each not in told]
     # Frames, noise and records stand in other attributes, and warnings among what is odd.
     elsewhere = {*seen.field.said, *(case.noise.source for case in sheet.cases)}
     notes = [each for each in said if each not in elsewhere and ": read as " not in each]

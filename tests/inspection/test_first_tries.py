@@ -1,0 +1,80 @@
+"""What goes wrong when a folder is looked at for the first time is answered by what mends it."""
+
+import numpy as np
+import pytest
+
+from hypernode.dic.errors import DicError
+from hypernode.dic.specimen import import_specimen
+from hypernode.inspection.folder import inspect
+from tests.dic.exports import specimen, write
+from tests.inspection.folders import FIELDS, GIVEN, PIXEL, SIZE, write_frames, write_record
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write_frames(tmp_path / "pull", FIELDS["clamped_y"])
+    write_record(tmp_path / "pull")
+    return tmp_path / "pull"
+
+
+def refused(folder, **given):
+    return " ".join(remark.sentence for remark in inspect(folder, {**GIVEN, **given}).known.missing)
+
+
+def odd(folder, **given):
+    return [remark.sentence for remark in inspect(folder, {**GIVEN, **given}).known.odd]
+
+
+def test_a_record_that_starts_long_before_the_pictures_asks_for_the_time_of_the_first(folder):
+    path = folder / "force_disp.csv"
+    names, units, *rows = path.read_text().splitlines()
+    samples = [row.split(",") for row in rows]
+    later = [f"{float(time) + 30.0},{force}" for time, force in samples]
+    path.write_text("\n".join([names, units, "0,0", "29.9,0", *later, ""]))
+    said = refused(folder)
+    assert "from 0 to 3 s, when the frames are taken, the force stays between 0 and 0 N" in said
+    assert "at 33 s it is" in said and "set first_frame_time" in said
+    mended = inspect(folder, {**GIVEN, "first_frame_time": 30.0})
+    assert not mended.known.missing and mended.sheet.cases[0].time.tolist() == [31.0, 32.0, 33.0]
+
+
+def test_a_folder_of_folders_and_a_table_of_nobody_say_what_they_hold(folder):
+    assert "found the folders 'pull': each test has a folder of its own" in refused(folder.parent)
+    for path in folder.glob("Pull*.csv"):
+        path.write_text(path.read_text().replace("x [pixel];y [pixel];x-displacement", "a;b;c"))
+    said = refused(folder)
+    assert "Pull0001.csv begins 'a;b;c [pixel]" in said and "set format to table, and table to its columns" in said
+
+
+def test_points_beyond_a_sheet_do_not_carry_its_force(folder):
+    said = refused(folder, pixel_size=10.0 * PIXEL)
+    assert f"points span {10.0 * 10.0 / 12.0 * SIZE[0]:.4g} mm along x, beyond the width of the sheet, 12 mm" in said
+    spot = odd(folder, pixel_size=PIXEL / 1000.0)
+    assert len(spot) == 1 and "hardly a spot of the sheet of 12 x 11 mm" in spot[0]
+
+
+def test_a_strip_of_few_lines_says_how_many_rings_it_can_spare(tmp_path):
+    strip = write_frames(
+        tmp_path / "strip", FIELDS["clamped_x"], change=lambda number, rows: rows[: 5 * len(rows) // 12]
+    )
+    write_record(strip)
+    assert "edge_ring = 1 leaves 11 x 3 of 13 x 5 points" in refused(strip, pixel_size=PIXEL)
+    assert "set edge_ring to 0 at most" in refused(strip, pixel_size=PIXEL)
+    assert not refused(strip, pixel_size=PIXEL, edge_ring=0, height=4.0 * 20 * PIXEL, noise_pixels=0.02)
+
+
+def test_one_force_in_the_frames_of_two_pulls_asks_for_the_record(tmp_path):
+    write(tmp_path, "matchid_2024")
+    with pytest.raises(DicError, match="one along y: put the machine's record with both into the folder, force_file"):
+        import_specimen(specimen(tmp_path, load="biaxial", edge_ring=0, width=3, height=3))
+
+
+def test_a_frame_rate_that_the_files_contradict_is_warned_of(tmp_path):
+    for k, path in enumerate([write(tmp_path, "gom", frames=(k,)) for k in range(4)]):
+        path.rename(path.with_name(f"pull_{0.7 * k:.3f} s.csv"))
+    write_record(tmp_path, sizes=np.linspace(0.0, 0.06, 4))
+    given = {"width": 3, "height": 3, "thickness": 1, "noise_mm": 0.01, "load": "clamped_x", "edge_ring": 0}
+    seen = inspect(tmp_path, {**given, "frame_rate": 1.0})
+    said = [remark.sentence for remark in seen.known.odd if remark.key == "frame_rate"]
+    assert len(said) == 1 and "frame 4 for 3 s after frame 1, and the files say 2.1 s" in said[0]
+    assert "frame_rate" not in [remark.key for remark in inspect(tmp_path, {**given}).known.odd]
