@@ -133,6 +133,27 @@ def test_channels_are_named_by_axis(tmp_path):
     assert swapped.edge_force[-1, EDGE_NAMES.index("right"), 0] == pytest.approx(7.0)
 
 
+def test_a_sheet_is_sheared_to_either_side(tmp_path):
+    test = written(tmp_path, "shear", change=lambda u: -u)
+    with pytest.raises(DicError, match="shear to the right, as positive"):
+        imported(test)
+    rise = (np.array(STRETCHES) - 1.0) / (STRETCHES[-1] - 1.0)
+    write_force_record(tmp_path / "force_disp.csv", np.arange(4.0), {"x": -rise}, {"x": -10.0 * rise})
+    sheet = imported(test)
+    np.testing.assert_allclose(sheet.stretch, STRETCHES[1:])
+    assert sheet.H[-1, 0, 1] == pytest.approx(-0.08)
+    assert sheet.edge_force[-1, EDGE_NAMES.index("top"), 0] == pytest.approx(-10.0)
+
+
+def test_steps_of_a_general_load_follow_its_shear_and_no_force_is_taken_for_one_across_it(tmp_path):
+    test = written(tmp_path, "shear", forces="y") | {"load": "general", "force_channel": {"y": "Force"}}
+    with pytest.raises(DicError, match=r"along y, along which the sheet hardly stretches .* sheared by 0\.08"):
+        imported(test)
+    sheet = imported({**test, "force_file": None})
+    assert sheet.cases[0].numbers.tolist() == [1, 2, 3]
+    np.testing.assert_allclose(sheet.cases[0].stretch, STRETCHES[1:])
+
+
 def test_without_a_record_one_resultant_sets_the_level(tmp_path):
     test = written(tmp_path, "biaxial", forces="")
     sheet = imported({**test, "force_file": None})

@@ -7,7 +7,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.specimen import import_specimen
 from hypernode.inspection.folder import inspect
 from tests.dic.exports import specimen, write
-from tests.inspection.folders import FIELDS, GIVEN, PIXEL, SIZE, write_frames, write_record
+from tests.inspection.folders import COLUMNS, FIELDS, GIVEN, PIXEL, SIZE, write_frames, write_record
 
 
 @pytest.fixture
@@ -78,3 +78,35 @@ def test_a_frame_rate_that_the_files_contradict_is_warned_of(tmp_path):
     said = [remark.sentence for remark in seen.known.odd if remark.key == "frame_rate"]
     assert len(said) == 1 and "frame 4 for 3 s after frame 1, and the files say 2.1 s" in said[0]
     assert "frame_rate" not in [remark.key for remark in inspect(tmp_path, {**given}).known.odd]
+
+
+def without(*places):
+    """Change of rows that takes these (row from the top, column) out of every frame."""
+    gone = {row * COLUMNS + column for row, column in places}
+    return lambda number, rows: [row for k, row in enumerate(rows) if k not in gone]
+
+
+def test_points_that_no_frame_has_inside_may_be_a_hole(folder):
+    hole = [(row, column) for row in (5, 6) for column in (5, 6, 7)]
+    write_frames(folder, FIELDS["clamped_y"], change=without(*hole))
+    (sentence,) = odd(folder)
+    assert "6 neighbouring points inside" in sentence and "declare it" in sentence
+    write_frames(folder, FIELDS["clamped_y"], change=without((5, 5), (3, 3), (0, 4), (0, 5), (0, 6), (0, 7)))
+    assert odd(folder) == []
+
+
+def test_a_table_in_pixels_asks_which_way_y_points(folder):
+    for path in folder.glob("Pull*.csv"):
+        path.write_text(path.read_text().replace("x [pixel];y [pixel];x-displacement [pixel];y-dis", "a;b;c;d", 1))
+    columns = {"x": "a", "y": "b", "u": "c", "v": "dplacement", "delimiter": ";", "unit": "pixel"}
+    given = {"format": "table", "table": columns}
+    assert any("--set y_points=down" in sentence for sentence in odd(folder, **given))
+    assert odd(folder, **given, y_points="down") == []
+
+
+def test_a_record_with_columns_of_other_names_says_how_to_name_them(folder):
+    path = folder / "force_disp.csv"
+    path.write_text(path.read_text().replace("Force", "Load cell A"))
+    said = refused(folder)
+    assert "no column 'Force' or 'Time' among 'Time', 'Load cell A'" in said and "set force_format and" in said
+    assert not refused(folder, force_channel="Load cell A")

@@ -58,7 +58,7 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
     if len(series) > 1:
         raise DicError(
             f"{folder}: several series ({', '.join(sorted(group[0].name for _, group in series))}, ...): "
-            "keep one a folder, or say its format"
+            f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
     if found.content in ("matrices", "ncorr"):

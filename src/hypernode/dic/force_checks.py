@@ -88,8 +88,8 @@ def check_rise(
         return [Finding(f"the force does not follow the stretch ({seen}, correlation {correlation:.2f})", True)]
     return [
         Finding(
-            f"the force falls {seen}: the sign of the record or its channel is wrong; export tension as positive, or "
-            "set force_channel",
+            f"the force falls {seen}: the sign of the record or its channel is wrong; export tension, and shear to the "
+            "right, as positive, or set force_channel",
             True,
         )
     ]

@@ -14,11 +14,13 @@ from hypernode.dic.force_dialects import PULL
 from hypernode.dic.force_matching import PullRecord, pull_record
 from hypernode.dic.force_record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.frame_clock import FrameClock
-from hypernode.dic.frames import working_stretch
+from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
 
+#: Stretch along a force over shear, below which the force is taken for that of the shear.
+_HARDLY_STRETCHED = 0.1
 #: Component (i, J) of a resultant: the force along i across the sections whose normal is J.
 Component = tuple[int, int]
 
@@ -65,6 +67,7 @@ def import_forces(
     channels = ", ".join(record.channels)
     say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
     pulls = {part: pull_record(record, "xy"[part[0]], _offset(test, part), clock) for part in _components(test, record)}
+    _refuse_across_a_shear(test, record, series, pulls)
     pulls, findings = _on_one_clock(test, pulls, series, chosen)
     numbers = np.array([frame.number for frame in series.frames])
     several = len(pulls) > 1
@@ -109,6 +112,24 @@ def _components(test: SpecimenTest, record: ForceRecord) -> list[Component]:
             f"{record.path}: no force along {'xy'[wanted[-1][0]]}, which a {test.load} test needs: force_channel"
         )
     return known
+
+
+def _refuse_across_a_shear(test: SpecimenTest, record: ForceRecord, series: Series, parts) -> None:
+    """The force along an axis is that which stretches the sheet along it, and none that shears it.
+
+    Raises:
+        DicError: a general test that shears the sheet and hardly stretches it along a force.
+    """
+    if test.load != "general":
+        return
+    moved = np.array([[np.nanmax(np.abs(mean_gradient(series, i, J)), initial=0.0) for J in (0, 1)] for i in (0, 1)])
+    for i, J in parts:
+        if moved[i, J] < _HARDLY_STRETCHED * moved[[0, 1], [1, 0]].max():
+            raise DicError(
+                f"{record.path}: a force along {'xy'[i]}, along which the sheet hardly stretches ({moved[i, J]:.2g}) "
+                f"while it is sheared by {moved[[0, 1], [1, 0]].max():.2g}: the resultant of a shear is known where "
+                "the upper end moves along x, load: shear; else leave this force out, force_channel or force_file: null"
+            )
 
 
 def _offset(test: SpecimenTest, part: Component) -> float:

@@ -41,11 +41,16 @@ def mean_gradient(series: Series, i: int, J: int) -> Float[np.ndarray, " frame"]
 
 
 def mean_stretch(series: Series, load: str) -> Float[np.ndarray, " frame"]:
-    """One number a frame that says how far a load has gone: mean stretch along its pull, or 1 + shear.
+    """One number a frame that says how far a load has gone: mean stretch along its pull, or 1 + shear, whichever way.
 
-    Of several directions it is that in which the sheet moves most.
+    Of several directions it is that in which the sheet moves most; a general load may shear it as well.
     """
     courses = [mean_gradient(series, i, J) for i, J in RESULTANTS[load]]
+    if load == "shear":
+        courses = [np.abs(each) for each in courses]
+    if load == "general":
+        # Symmetric, so that a camera that turned shears nothing.
+        courses.append(np.abs(mean_gradient(series, 0, 1) + mean_gradient(series, 1, 0)))
     with warnings.catch_warnings():
         # A course that is lost in every frame is no candidate, and numpy says so as a warning.
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -110,7 +115,10 @@ def _each_once(test: SpecimenTest, key: str, chosen: list[int]) -> np.ndarray:
 def _evenly_spaced(stretch: np.ndarray, test: SpecimenTest) -> list[int]:
     """Indices of the frames nearest to ``load_steps`` mean stretches in equal steps up to the largest, each once."""
     if not np.nanmax(stretch[1:], initial=1.0) > 1.0:
-        raise DicError(f"{test.folder}: in no frame is the sheet longer than in the first: check load and frames")
+        raise DicError(
+            f"{test.folder}: in no frame is the sheet longer than in the first, as a {test.load} test makes it: check "
+            "load and frames"
+        )
     # What follows the largest stretch is not the loading of the test.
     loading = stretch[: int(np.nanargmax(stretch)) + 1]
     targets = np.linspace(1.0, loading[-1], test.load_steps + 1)[1:]

@@ -57,10 +57,11 @@ class ImportedSpecimen:
     @property
     def stretch(self) -> Float[np.ndarray, " step"]:
         """Mean stretch of each step along its pull, or 1 + shear; of several directions the largest."""
-        largest = [
-            np.max([self.H[self.load_case == k, i, J] for i, J in RESULTANTS[case.test.load]], axis=0)
-            for k, case in enumerate(self.cases)
-        ]
+        largest = []
+        for k, case in enumerate(self.cases):
+            H = self.H[self.load_case == k]
+            parts = RESULTANTS[case.test.load]
+            largest.append(np.max([H[:, i, J] if i == J else np.abs(H[:, i, J]) for i, J in parts], axis=0))
         return 1.0 + np.concatenate(largest)
 
     @property

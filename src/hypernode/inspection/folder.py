@@ -17,6 +17,7 @@ from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.inspection.content import Content, content_of
 from hypernode.inspection.field import Field, least_ring, read_field
+from hypernode.inspection.field_remarks import remarks_on
 from hypernode.inspection.forces import Course, courses
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
 from hypernode.inspection.load import LoadSeen, recognised
@@ -142,6 +143,7 @@ def _unloading(seen: Inspection) -> Known:
 
 def _with_size(seen: Inspection) -> Inspection:
     test = seen.known.specimen(seen.folder)
+    seen = _and(seen, remarks_on(seen.field, seen.known.settings))
     seen = _and(seen, size_known(seen.known.settings, seen.field, test.load))
     ring = least_ring(seen.field.series)
     if test.outline == "cut" and (ring is None or ring > test.dropped_rings):

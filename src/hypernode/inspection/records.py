@@ -102,6 +102,9 @@ def record_of_test(
     if len(files) == 1:
         name = files[0].path.name
         return files[0], Known({} if name == test.force_file else {"force_file": name})
+    usual = next((sentence for path, sentence in others.items() if path.name == test.force_file), None)
+    if not files and usual:
+        return None, missing(usual, "force_file")
     if files:
         return None, missing(f"which force record is that of the test: {_listed(files)}", "force_file")
     return None, missing(
