@@ -23,7 +23,7 @@ def remarks_on(field: Field, given: Mapping[str, object]) -> Known:
     missing = _hole(field)
     if missing:
         known += odd(
-            f"{missing} neighbouring points inside are measured in no deformed frame: they are taken for lost ones, with "
+            f"{missing} neighbouring points inside are measured in no deformed frame: they count as lost ones with "
             "material beneath; if the sheet has a hole there, declare it, hole of its case"
         )
     if field.dialect == "table" and field.series.unit == "pixel" and "y_points" not in given:
