@@ -54,6 +54,16 @@ def test_white_noise_is_measured_within_a_tenth_whatever_the_deformation(kind, l
     np.testing.assert_array_equal(found.equivalent, found.level)
 
 
+def test_rounding_in_the_reference_is_not_the_noise_of_a_sheet_at_rest():
+    """Software compares the reference with itself: what is left is white and tiny, and that of others is not."""
+    frames = loaded("smooth") + SMALL * noise(2, 4, 2.0)
+    alone = estimate_noise(np.concatenate([np.zeros((1, *frames.shape[1:])), frames]))
+    found = estimate_noise(np.concatenate([1e-9 * noise(3, 1), frames]))
+    assert found.source == "local fit" and np.isnan(found.level[0]).all()
+    np.testing.assert_array_equal(found.equivalent[1:], alone.equivalent[1:])
+    np.testing.assert_array_equal(found.correlation_length, alone.correlation_length)
+
+
 @pytest.mark.parametrize("kind", ["smooth", "disc"])
 @pytest.mark.parametrize(("level", "length"), [(SMALL, 1.0), (1e-2, 1.0), (3e-3, 2.0), (1e-2, 2.0)])
 def test_correlated_noise_is_measured_with_its_length(kind, level, length):

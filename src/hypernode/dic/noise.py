@@ -11,6 +11,10 @@ from hypernode.dic.noise_correlation import independent_factor
 from hypernode.dic.noise_local import local_fit
 from hypernode.dic.noise_static import frames_at_rest, says_something, static_fit
 
+#: Noise of a reference over that of the other frames, below which it is the picture that they were compared with:
+#: noise of a sheet at rest is a tenth of that of a deformed one at least.
+_ROUNDING = 0.01
+
 
 @dataclass(frozen=True)
 class NoiseEstimate:
@@ -57,6 +61,8 @@ def estimate_noise(
         DicError: no frame has about 6 x 6 neighbouring points that are known and that moved, or a static frame says
             nothing.
     """
+    if static is None:
+        displacement = _without_rounding(displacement)
     fine, fine_length = local_fit(displacement)
     if not np.isfinite(fine).all(axis=1).any():
         known = int(np.isfinite(displacement).all(axis=-1).sum(axis=(1, 2)).max(initial=0))
@@ -75,6 +81,20 @@ def estimate_noise(
         return _estimate(fine, fine_length, "local fit")
     level, length = static_fit(displacement, at_rest)
     return _estimate(_of_later_frames(level, at_rest, fine), length, "static frames")
+
+
+def _without_rounding(displacement: Float[np.ndarray, "frame row column 2"]) -> np.ndarray:
+    """The frames, the first of them at rest where its noise is none beside that of the others.
+
+    A picture compared with itself says nothing of the noise of others, nor of its correlation.
+    """
+    if len(displacement) < 2 or not np.nan_to_num(displacement[0]).any():
+        return displacement
+    (first,), later = local_fit(displacement[:1])[0], local_fit(displacement[1:])[0]
+    later = later[np.isfinite(later).all(axis=1)]
+    if not len(later) or not (first < _ROUNDING * np.median(later, axis=0)).all():
+        return displacement
+    return np.concatenate([np.where(np.isnan(displacement[:1]), np.nan, 0.0), displacement[1:]])
 
 
 def _of_later_frames(
