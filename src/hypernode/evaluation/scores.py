@@ -11,7 +11,8 @@ def relative_error(
 ) -> float:
     """Relative L2 difference of two stress fields; not a number where ``true`` vanishes under the weights."""
     w = weights[:, None, None]
-    return float(np.sqrt(np.sum(w * (found - true) ** 2) / np.sum(w * true**2)))
+    size = np.sum(w * true**2)
+    return float(np.sqrt(np.sum(w * (found - true) ** 2) / size)) if size > 0.0 else float("nan")
 
 
 def contrast(
