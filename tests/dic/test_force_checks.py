@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_checks import check_reach, check_rise, check_stiffness, check_units
+from hypernode.dic.force_checks import check_end, check_reach, check_rise, check_stiffness, check_units
 from hypernode.dic.force_clock import agreed_offset, check_clock, estimate_offsets
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
@@ -77,6 +77,13 @@ def test_a_record_that_pulls_at_other_times_than_the_frames_names_them():
     (finding,) = check_reach(np.linspace(0.0, 4.0, 9), TIME, late)
     assert finding.refused and "from 0 to 4 s" in finding.sentence and "first_frame_time" in finding.sentence
     assert check_reach(FRAMES, TIME, FORCE) == check_reach(np.linspace(0.0, 4.0, 9), TIME, FORCE) == []
+
+
+def test_a_force_that_grows_on_after_the_last_frame_is_warned_of():
+    (finding,) = check_end(8.0, TIME, FORCE)
+    assert not finding.refused and "a frame_rate that is too large" in finding.sentence
+    assert check_end(28.0, TIME, FORCE) == check_end(30.0, TIME, FORCE) == []
+    assert check_end(8.0, TIME, np.where(TIME < 8.0, FORCE, FORCE[-1] * 0.1)) == []
 
 
 def test_a_crosshead_at_rest_while_the_frames_are_taken_tells_no_clock():

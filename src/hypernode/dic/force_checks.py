@@ -29,6 +29,8 @@ class ForceLimits:
             steps, noise of n frames has 0 within 1/sqrt(n).
         force_at_rest: share of the largest force that the reference frame may carry. A preload is a tenth of the test
             at most where the reference still counts as free of stress.
+        goes_on: largest force after the last frame over that until then. Pictures that end with the test miss what the
+            sheet is pulled on in a frame; a frame rate of twice the true one misses half.
         unit_jump: how far the ratio of neighbouring samples may be from a power of ten, in decades: the sheet pulls
             on between two samples.
         jump_over_neighbours: a step between two samples over the largest of three before and after it. A steep curve
@@ -48,6 +50,7 @@ class ForceLimits:
     least_rise: float = 0.05
     least_correlation: float = 0.3
     force_at_rest: float = 0.1
+    goes_on: float = 1.25
     unit_jump: float = 0.05
     jump_over_neighbours: float = 5.0
     jump_share: float = 0.2
@@ -113,6 +116,23 @@ def check_reach(
             f"and {during.max():.4g} N, and at {time[peak]:.4g} s it is {force[peak]:.4g} N: set first_frame_time to "
             "the time of the first frame in the clock of the record, and check frame_rate",
             True,
+        )
+    ]
+
+
+def check_end(
+    end: float, time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The force [N] does not go on to grow after the last frame [s], as it does where frames are taken too early."""
+    later = np.where(time > end, force, -np.inf)
+    peak, until = int(np.argmax(later)), force[time <= end].max(initial=0.0)
+    if not until > 0.0 or later[peak] <= limits.goes_on * until:
+        return []
+    return [
+        Finding(
+            f"after the last frame, at {end:.4g} s, the force goes on from {until:.4g} to {force[peak]:.4g} N at "
+            f"{time[peak]:.4g} s: pictures that ended before the test, or a frame_rate that is too large",
+            False,
         )
     ]
 

@@ -8,7 +8,14 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_checks import Finding, check_reach, check_rest, check_rise, check_stiffness, check_units
+from hypernode.dic.force_checks import (
+    Finding,
+    check_reach,
+    check_rest,
+    check_rise,
+    check_stiffness,
+    check_units,
+)
 from hypernode.dic.force_clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.force_dialects import PULL
 from hypernode.dic.force_matching import PullRecord, pull_record

@@ -140,11 +140,14 @@ def _mean_H(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
                 "between them: leave it out, or export it again"
             )
     F = deformation_gradient(mesh, filled(mesh, u))
-    folded = (np.linalg.det(F) <= 0).any(axis=1)
+    folded = np.linalg.det(F) <= 0
     if folded.any():
+        step = int(np.argmax(folded.any(axis=1)))
+        x, y = mesh.centres[folded[step]][0]
         raise DicError(
-            f"{folder}: frame {case.numbers[int(np.argmax(folded))]} folds the sheet over (det F is not positive): "
-            "leave it out, or export it again"
+            f"{folder}: frame {case.numbers[step]} folds the sheet over (det F is not positive in {folded[step].sum()} "
+            f"of {len(mesh.cells)} cells, the first at {x:.4g}, {y:.4g} mm from the lower left point): a point that "
+            "the software mistook, which may be deleted from the file and is then lost; or leave the frame out"
         )
     return np.einsum("scij,c->sij", F, mesh.areas / mesh.areas.sum()) - np.eye(2)
 

@@ -18,7 +18,7 @@ from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.inspection.content import Content, content_of
 from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
-from hypernode.inspection.forces import Course, courses
+from hypernode.inspection.forces import Course, courses, going_on
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
 from hypernode.inspection.load import LoadSeen, recognised
 from hypernode.inspection.records import Cycle, RecordFile, cycle_of_test, record_files, record_of_test
@@ -166,6 +166,8 @@ def _with_forces(seen: Inspection) -> Inspection:
         seen = _and(seen, odd(contradicted, "frame_rate"))
     if cycle.record.image is None and clock is None:
         return _and(seen, missing(_no_clock(seen, cycle), "frame_rate"))
+    for sentence in going_on(cycle.record, clock, seen.field.numbers[-1]):
+        seen = _and(seen, odd(sentence, "frame_rate"))
     found, offsets = courses(test, seen.kept, cycle.record, clock)
     return replace(seen, courses=tuple(found), offsets=tuple(offsets))
 

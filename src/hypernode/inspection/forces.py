@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.force_checks import check_end
 from hypernode.dic.force_clock import ClockOffset, agreed_offset, estimate_offsets
 from hypernode.dic.force_dialects import PULL
 from hypernode.dic.force_matching import PullRecord, pull_record
@@ -54,6 +55,20 @@ def courses(
         later = clock.later(found.seconds)
         pulls = {part: pull_record(record, "xy"[part[0]], _zero(test, part[0]), later) for part in parts}
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
+
+
+def going_on(record: ForceRecord, clock: FrameClock | None, last: int) -> list[str]:
+    """Sentences on forces that grow on after the last frame.
+
+    Args:
+        record: of the machine.
+        clock: when the frames were taken; None where nothing tells.
+        last: number of the last frame.
+    """
+    if clock is None or record.image is not None or record.time is None:
+        return []
+    end = float(clock.at(last))
+    return list(dict.fromkeys(each.sentence for force in record.force.T for each in check_end(end, record.time, force)))
 
 
 def _zero(test: SpecimenTest, axis: int) -> float:

@@ -107,9 +107,11 @@ def record_of_test(
         return None, missing(usual, "force_file")
     if files:
         return None, missing(f"which force record is that of the test: {_listed(files)}", "force_file")
+    workbooks = sorted(path.name for path in Path(test.folder).glob("*.xls*"))
+    table = f"; save {workbooks[0]}, which is a workbook, as CSV" if workbooks else ""
     return None, missing(
-        "there is no force record among the files: put the testing machine's into the folder, or say that none was "
-        "recorded, --set force_file=null, and the material is known up to one factor",
+        f"there is no force record among the files{table}: put the testing machine's into the folder, or say that none "
+        "was recorded, --set force_file=null, and the material is known up to one factor",
         "force_file",
     )
 
