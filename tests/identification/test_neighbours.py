@@ -10,6 +10,8 @@ from hypernode.identification.problem import field_problem
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
+# A descent to a whole field comes first.
+pytestmark = pytest.mark.slow
 CELLS, NOISE = 12, 2e-3
 SETTINGS = Constrained(terms=["I1_squared"], iterations=25)
 STRETCHES = [[1.05, 1.05], [1.1, 1.1], [1.15, 1.15]]
