@@ -58,7 +58,7 @@ def test_errors_that_are_shared_are_expected_to_scatter_less_than_they_weigh():
     assert alone.observations.scatter == pytest.approx(1.0) and together.observations.scatter == pytest.approx(
         1 / 3, rel=1e-3
     )
-    assert together.cost_of_noise == pytest.approx(alone.cost_of_noise / 9.0, rel=2e-3)
+    assert together.sigma == pytest.approx(3.0 * alone.sigma, rel=1e-3)
 
 
 def test_a_thicker_cell_pulls_as_one_that_is_stiffer_does():

@@ -46,6 +46,11 @@ class Estimate:
         return {"displacement": float(self.history[-1]), "force": forces}
 
     @property
+    def displacement_misfit(self) -> float:
+        """Root mean square misfit of the displacements over their scatter: what is left of errors, shared or not."""
+        return float(self.history[-1]) / self.problem.observations.scatter
+
+    @property
     def summary(self) -> str:
         """Misfits, gradient norm and residual of the conjugate gradients in words."""
         numbers = [f"{key} misfit {value:.3g}" for key, value in self.misfits.items()]

@@ -66,8 +66,7 @@ class Objective:
         # A linearisation has the uncertainty that displacements had there.
         sigma = self.problem.sigma if linear is None else linear.sigma
         u, _ = self.residuals(states, sigma, linear)
-        expected = self.problem.observations.scatter * self.problem.sigma
-        return float(np.sqrt(np.mean(u**2))) * sigma / expected
+        return float(np.sqrt(np.mean(u**2))) * sigma / self.problem.sigma
 
     def force_misfit(self, states, linear: Jacobian | None) -> float:
         """Root mean square of the misfit of the forces over their uncertainty."""

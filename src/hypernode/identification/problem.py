@@ -95,7 +95,7 @@ class FieldProblem:
     @property
     def cost_of_noise(self) -> float:
         """What noise of the assumed size costs at the true field."""
-        return 0.5 * self.observed * self.observations.scatter**2
+        return 0.5 * self.observed
 
     def _cell_sensitivity(self, u, params, gradient, weight):
         """d(nodal forces)/d(parameters) of one cell (8, parameter)."""

@@ -37,8 +37,8 @@ def likeliest(*tried: Estimate) -> Estimate:
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
     """The material field that explains a measurement, or comes nearest to it; see :func:`_identified`.
 
-    Where errors that points or steps seem to share are weighed so that the field explains less than it should, they are
-    no errors but deformation: then each counts as an independent one.
+    Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
+    deformation: then each counts as an independent one.
 
     Args:
         measurement: an opened measurement.
@@ -49,8 +49,8 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         IdentificationError: no equilibrium at the homogeneous start.
     """
     found = _identified(measurement, settings, name, strategy)
-    if found.problem.observations.scatter < 1.0 and found.misfits["displacement"] > strategy.unexplained:
-        misfit = found.misfits["displacement"]
+    if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
+        misfit = found.displacement_misfit
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         found = _identified(with_independent_errors(measurement), settings, name, strategy)
     _warn(found, settings, name)
@@ -106,7 +106,7 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
     """Say on standard error what stands against believing a field."""
-    misfit, strategy = found.misfits["displacement"], found.problem.strategy
+    misfit, strategy = found.displacement_misfit, found.problem.strategy
     if misfit > strategy.unexplained:
         print(
             f"warning: constrained field of {name}: displacements are missed by {misfit:.1f} times their "
