@@ -17,14 +17,25 @@ SETTINGS = Constrained(terms=["I1_squared"], iterations=25)
 STRETCHES = [[1.05, 1.05], [1.1, 1.1], [1.15, 1.15]]
 
 
+def stroke(X):
+    """One cell wide, across the sheet below its square."""
+    return square(X) | ((X[:, 1] > 1 / CELLS) & (X[:, 1] < 2 / CELLS) & (np.abs(X[:, 0] - 0.5) < 0.4))
+
+
+def of_two_materials(inclusion):
+    """(estimate at the true field of a sheet, its parameters)."""
+    data, mesh, _ = sheet(CELLS, inclusion, make_load("biaxial", STRETCHES), noise=NOISE, terms=())
+    found = descend(field_problem(data, SETTINGS), SETTINGS, "sheet", None, (), 1e-4)
+    inside = inclusion(mesh.centres)
+    params = np.where(
+        inside[:, None], np.median(found.params[inside], axis=0), np.median(found.params[~inside], axis=0)
+    )
+    return found.at(params), params
+
+
 @pytest.fixture(scope="module")
 def known():
-    """(estimate at the true field of two materials, its parameters)."""
-    data, mesh, _ = sheet(CELLS, square, make_load("biaxial", STRETCHES), noise=NOISE, terms=())
-    found = descend(field_problem(data, SETTINGS), SETTINGS, "sheet", None, (), 1e-4)
-    soft, stiff = (np.median(found.params[inside], axis=0) for inside in (~square(mesh.centres), square(mesh.centres)))
-    params = np.where(square(mesh.centres)[:, None], stiff, soft)
-    return found.at(params), params, mesh
+    return of_two_materials(square)
 
 
 def place(column, row):
@@ -32,7 +43,7 @@ def place(column, row):
 
 
 def test_a_pair_that_shares_a_jump_becomes_one_of_each(known):
-    found, params, _ = known
+    found, params = known
     inner, outer = place(8, 6), place(9, 6)
     shared = params.copy()
     shared[[inner, outer]] = 0.5 * (params[inner] + params[outer])
@@ -41,22 +52,17 @@ def test_a_pair_that_shares_a_jump_becomes_one_of_each(known):
 
 
 def test_a_single_cell_that_is_off_becomes_what_it_lies_in(known):
-    found, params, _ = known
+    found, params = known
     off = params.copy()
     off[place(1, 2), 0] += 0.4
     np.testing.assert_allclose(moved_by_neighbours(found.at(off)), params, atol=1e-12)
 
 
 def test_the_true_field_is_left_as_it_is(known):
-    found, _, _ = known
+    found, _ = known
     assert moved_by_neighbours(found) is None
 
 
-def test_a_line_of_single_cells_is_part_of_a_phase(known):
-    """A stroke that is one cell wide has two neighbours of its kind at each cell but its ends."""
-    found, params, _ = known
-    stroke = params.copy()
-    stroke[[place(column, 1) for column in range(1, 10)]] = params[place(6, 6)]
-    moved = moved_by_neighbours(found.at(stroke))
-    changed = [] if moved is None else np.flatnonzero((moved != stroke).any(axis=1)).tolist()
-    assert set(changed) <= {place(1, 1), place(9, 1)}
+def test_a_line_of_single_cells_that_the_test_shows_stays():
+    found, _ = of_two_materials(stroke)
+    assert moved_by_neighbours(found) is None

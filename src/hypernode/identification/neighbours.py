@@ -10,7 +10,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.estimate import Estimate
@@ -30,8 +30,8 @@ def moved_by_neighbours(found: Estimate) -> Float[np.ndarray, "cell parameter"] 
     strategy = problem.strategy
     stiffness = problem.stiffness(found.params)[0]
     around = _neighbours(problem.mesh)
-    alone = _alone(stiffness, around, strategy.plateau)
-    offers = _offers(found.params, stiffness, around, alone, strategy.plateau)[: strategy.most_offers]
+    alone, contour = _doubtful(stiffness, around, strategy.plateau)
+    offers = _offers(found.params, stiffness, around, alone, contour, strategy.plateau)[: strategy.most_offers]
     if not offers:
         return None
     linear = problem.linearise(found.params, found.states, problem.sigma)
@@ -92,23 +92,24 @@ def _neighbours(mesh: Mesh) -> list[set[int]]:
     return around
 
 
-def _alone(stiffness: Float[np.ndarray, " cell"], around: list[set[int]], plateau: float) -> Bool[np.ndarray, " cell"]:
-    """Cells that are as stiff as fewer than two of their neighbours: part of no phase, not even of a thin one."""
-    alike = [
+def _doubtful(stiffness: Float[np.ndarray, " cell"], around: list[set[int]], plateau: float):
+    """(cells that are part of no phase, not even of a thin one; cells at a contour of theirs)."""
+    alike = np.array([
         sum(abs(stiffness[cell] - stiffness[other]) < plateau for other in others) for cell, others in enumerate(around)
-    ]
-    return np.array(alike) < 2
+    ])  # fmt: skip
+    # Along a straight contour three of eight neighbours are of the other side.
+    return alike < 2, np.array([len(others) for others in around]) - alike >= 3
 
 
-def _offers(params, stiffness, around, alone, plateau: float) -> list[Offer]:
-    """For each cell that is alone the materials of its stiffest, softest and middle neighbour that is not."""
+def _offers(params, stiffness, around, alone, contour, plateau: float) -> list[Offer]:
+    """For each doubtful cell the materials of its stiffest, softest and middle neighbour that is part of a phase."""
     offers = []
-    for cell in np.flatnonzero(alone):
+    for cell in np.flatnonzero(alone | contour):
         known = sorted((n for n in around[cell] if not alone[n]), key=lambda n: stiffness[n])
         chosen: list[int] = []
         for other in known[:1] + known[-1:] + known[len(known) // 2 : len(known) // 2 + 1]:
-            if all(abs(stiffness[other] - stiffness[each]) >= plateau for each in chosen):
+            if all(abs(stiffness[other] - stiffness[each]) >= plateau for each in (cell, *chosen)):
                 chosen.append(other)
-        offers += [Offer(int(cell), params[other] - params[cell]) for other in chosen]
-    # Of many, those that change most.
-    return sorted(offers, key=lambda offer: -float(np.abs(offer.change[0])))
+        offers += [(not alone[cell], Offer(int(cell), params[other] - params[cell])) for other in chosen]
+    # Of many, first those of cells that are part of nothing, and of them those that change most.
+    return [offer for _, offer in sorted(offers, key=lambda each: (each[0], -float(np.abs(each[1].change[0]))))]

@@ -150,8 +150,8 @@ class Strategy:
 
     #: Relative difference of stiffness below which two cells count as one material: twice what phases scatter by.
     plateau: float = 0.05
-    #: Materials of neighbours that are offered to single cells at a time, for memory: two for each of a hundred.
-    most_offers: int = 200
+    #: Materials of neighbours that are offered to single cells at a time, for memory: as many as a contour has cells.
+    most_offers: int = 500
     #: How often neighbours decide, each time from where the descent before ended.
     neighbour_rounds: int = 3
 
