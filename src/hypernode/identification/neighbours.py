@@ -58,9 +58,9 @@ def _best_moves(found: Estimate, offers: list[Offer], moves: list[tuple[int, ...
             if move not in gains:
                 gains[move] = objective.regular(_applied(params, offers, move)) - regular
         costs = [gains[move] + slope[list(move)].sum() + 0.5 * curvature[np.ix_(move, move)].sum() for move in moves]
-        if not costs or min(costs) >= 0.0:
+        best = _decided(offers, moves, costs, objective.strategy.decisive)
+        if best is None:
             return params if changed else None
-        best = moves[int(np.argmin(costs))]
         params, changed = _applied(params, offers, best), True
         slope += curvature[:, list(best)].sum(axis=1)
         regular = objective.regular(params)
@@ -69,6 +69,20 @@ def _best_moves(found: Estimate, offers: list[Offer], moves: list[tuple[int, ...
         # What others do to jumps has changed near by.
         near = {int(n) for cell in cells for n in _within(found.problem.mesh, cell)}
         gains = {move: gain for move, gain in gains.items() if not any(offers[k].cell in near for k in move)}
+
+
+def _decided(offers: list[Offer], moves, costs: list[float], decisive: float) -> tuple[int, ...] | None:
+    """The move that lowers the objective most and by enough, where no other of the same cells comes near it."""
+    by_cells: dict[frozenset[int], list[float]] = {}
+    for move, cost in zip(moves, costs, strict=True):
+        by_cells.setdefault(frozenset(offers[k].cell for k in move), []).append(cost)
+    for place in np.argsort(costs, kind="stable"):
+        if costs[place] > -decisive:
+            return None
+        rivals = sorted(by_cells[frozenset(offers[k].cell for k in moves[place])])[1:2]
+        if not rivals or rivals[0] > costs[place] + decisive:
+            return moves[place]
+    return None
 
 
 def _applied(params, offers: list[Offer], move: tuple[int, ...]):

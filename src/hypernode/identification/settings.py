@@ -152,6 +152,9 @@ class Strategy:
     plateau: float = 0.05
     #: Materials of neighbours that are offered to single cells at a time, for memory: as many as a contour has cells.
     most_offers: int = 500
+    #: By how much a move must lower the objective, and stand out from others of the same cells: odds of twenty to one.
+    #: Where a test does not decide, a cell half-way between two materials is the smaller error.
+    decisive: float = 3.0
     #: How often neighbours decide, each time from where the descent before ended.
     neighbour_rounds: int = 3
 
