@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypernode.config.loading import ConfigError, check_config, load_config
 from hypernode.dic.dialects import DIALECTS
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.points import read_points
 from hypernode.errors import ExpectedError
 from hypernode.stages import import_dic

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hypernode.dic.force_checks import check_units
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.checks import check_units
+from hypernode.dic.forces.record import read_force_record
 from tests.dic.records import RECORDS, text
 from tests.dic.refusals import refused
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.reading import read_series
 from tests.dic.exports import ASSEMBLED, FRAMES, export
 from tests.dic.mutations import mutated

@@ -7,7 +7,7 @@ import pytest
 
 from hypernode.config.loading import check_config
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.reading import read_series
 from hypernode.dic.specimen import import_specimen
 from hypernode.stages import import_dic

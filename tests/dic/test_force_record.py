@@ -7,9 +7,9 @@ import pytest
 
 from hypernode.config.specimen_tests import ForceFormat
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_dialects import DIALECTS
-from hypernode.dic.force_matching import pull_record
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.dialects import DIALECTS
+from hypernode.dic.forces.matching import pull_record
+from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.frame_clock import FrameClock
 from tests.dic.records import RECORDS, text
 

@@ -5,9 +5,9 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.noise import estimate_noise
-from hypernode.dic.noise_correlation import independent_factor
-from hypernode.dic.noise_static import frames_at_rest
+from hypernode.dic.noise.correlation import independent_factor
+from hypernode.dic.noise.estimate import estimate_noise
+from hypernode.dic.noise.static import frames_at_rest
 
 POINTS = 50
 #: Of a sheet of size 1.

@@ -7,7 +7,7 @@ from hypernode import cli
 from hypernode.config.sources import read_yaml
 from hypernode.config.specimens import Specimen
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import read_force_record
+from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.reading import read_series
 from hypernode.dic.recorded import load_of
 from hypernode.dic.specimen import import_specimen

@@ -10,7 +10,7 @@ from hypernode.config.section import Count, Fraction, Positive, Section
 SpecimenLoad = Literal[
     "clamped_x", "clamped_y", "uniaxial_x", "uniaxial_y", "biaxial", "biaxial_clamped", "shear", "general"
 ]
-#: Programs whose force records are known: the names of ``hypernode.dic.force_dialects``.
+#: Programs whose force records are known: the names of ``hypernode.dic.forces.dialects``.
 ForceFormat = Literal[
     "named_columns",
     "named_axes",

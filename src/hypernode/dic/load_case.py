@@ -9,10 +9,10 @@ from jaxtyping import Float, Int
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.config.specimens import Specimen
 from hypernode.dic.camera_motion import camera_motion, without
-from hypernode.dic.force_import import Component, import_forces
+from hypernode.dic.forces.importing import Component, import_forces
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, select_frames, trimmed
-from hypernode.dic.noise_steps import StepNoise, noise_of
+from hypernode.dic.noise.steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
 from hypernode.dic.relaxing import relaxation_of
 from hypernode.dic.series import Series

@@ -4,7 +4,7 @@ import numpy as np
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.data.lost import along
-from hypernode.dic.force_matching import PullRecord
+from hypernode.dic.forces.matching import PullRecord
 from hypernode.dic.frames import mean_stretch
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS, tensile_axis

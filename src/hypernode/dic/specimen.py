@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from hypernode.config.specimens import Specimen
 from hypernode.data.lost import filled
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_level import assumed_force
+from hypernode.dic.forces.level import assumed_force
 from hypernode.dic.load_case import LoadCase, import_load_case
 from hypernode.dic.placing import on_one_grid
 from hypernode.dic.thickness import thickness_at

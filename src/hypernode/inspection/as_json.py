@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from hypernode.dic.noise_steps import StepNoise
+from hypernode.dic.noise.steps import StepNoise
 from hypernode.inspection.field import Field, mean_gradients
 from hypernode.inspection.folder import Inspection
 from hypernode.inspection.known import Remark

@@ -9,8 +9,8 @@ import numpy as np
 from hypernode.config.loading import check_config
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_clock import ClockOffset
-from hypernode.dic.force_record import record_of_frames
+from hypernode.dic.forces.clock import ClockOffset
+from hypernode.dic.forces.record import record_of_frames
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, trimmed
 from hypernode.dic.series import Series

@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
-from hypernode.dic.force_checks import check_end
-from hypernode.dic.force_clock import ClockOffset, agreed_offset, estimate_offsets
-from hypernode.dic.force_dialects import PULL
-from hypernode.dic.force_matching import PullRecord, pull_record
-from hypernode.dic.force_record import ForceRecord
+from hypernode.dic.forces.checks import check_end
+from hypernode.dic.forces.clock import ClockOffset, agreed_offset, estimate_offsets
+from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.matching import PullRecord, pull_record
+from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.series import Series

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import ForceRecord, read_force_record
-from hypernode.dic.force_table import Table, read_table
+from hypernode.dic.forces.record import ForceRecord, read_force_record
+from hypernode.dic.forces.table import Table, read_table
 from hypernode.inspection.known import Known, missing
 
 

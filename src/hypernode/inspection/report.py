@@ -4,8 +4,8 @@ import textwrap
 
 import numpy as np
 
-from hypernode.dic.force_dialects import PULL
-from hypernode.dic.force_record import ForceRecord
+from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.record import ForceRecord
 from hypernode.inspection.field import Field, Lost, mean_gradients
 from hypernode.inspection.folder import Inspection
 from hypernode.inspection.known import Remark

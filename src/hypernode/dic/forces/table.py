@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_dialects import DIALECTS, Dialect
+from hypernode.dic.forces.dialects import DIALECTS, Dialect
 from hypernode.dic.text import read_text, shown
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")

@@ -5,7 +5,7 @@ from jaxtyping import Float
 from scipy.optimize import nnls
 from scipy.stats import norm
 
-from hypernode.dic.noise_correlation import autocorrelation, best_length, lengths_up_to
+from hypernode.dic.noise.correlation import autocorrelation, best_length, lengths_up_to
 
 #: Fourth difference: zero for displacements up to the third degree, so for strain gradients that vary linearly.
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])

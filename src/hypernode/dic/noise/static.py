@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.dic.noise_correlation import autocorrelation, best_length, independent_factor, lengths_up_to
+from hypernode.dic.noise.correlation import autocorrelation, best_length, independent_factor, lengths_up_to
 
 #: Mean strain of a sheet at rest over its own uncertainty: chance exceeds it in two frames of ten thousand.
 _NO_STRAIN = 4.0

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
-from hypernode.dic.noise import estimate_noise
-from hypernode.dic.noise_frames import as_independent, shared_by_steps
+from hypernode.dic.noise.estimate import estimate_noise
+from hypernode.dic.noise.shared import as_independent, shared_by_steps
 from hypernode.dic.series import Series
 from hypernode.progress import say
 

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_checks import (
+from hypernode.dic.forces.checks import (
     Finding,
     check_reach,
     check_rest,
@@ -16,10 +16,10 @@ from hypernode.dic.force_checks import (
     check_stiffness,
     check_units,
 )
-from hypernode.dic.force_clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
-from hypernode.dic.force_dialects import PULL
-from hypernode.dic.force_matching import PullRecord, pull_record
-from hypernode.dic.force_record import ForceRecord, read_force_record, record_of_frames
+from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
+from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.matching import PullRecord, pull_record
+from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.series import Series

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.dic.force_checks import LIMITS, Finding, ForceLimits
+from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
 
 #: Offsets that are tried, in a frame interval.
 _LAGS = 10

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_record import ForceRecord
+from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.force_dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
-from hypernode.dic.force_numbers import AmbiguousNumbersError, decimal_sign, parse_number
-from hypernode.dic.force_table import Table, choose_cycle, read_table
+from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
+from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
+from hypernode.dic.forces.table import Table, choose_cycle, read_table
 from hypernode.dic.series import Series
 from hypernode.dic.text import shown
 

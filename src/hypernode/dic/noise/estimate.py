@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.noise_correlation import independent_factor
-from hypernode.dic.noise_local import local_fit
-from hypernode.dic.noise_static import frames_at_rest, says_something, static_fit
+from hypernode.dic.noise.correlation import independent_factor
+from hypernode.dic.noise.local import local_fit
+from hypernode.dic.noise.static import frames_at_rest, says_something, static_fit
 
 #: Noise of a reference over that of the other frames, below which it is the picture that they were compared with:
 #: noise of a sheet at rest is a tenth of that of a deformed one at least.
@@ -48,9 +48,9 @@ def estimate_noise(
 ) -> NoiseEstimate:
     """Measure the noise of displacements on a regular grid.
 
-    Frames of the sheet at rest show all noise but rigid motion and mean gradient (:func:`.noise_static.static_fit`).
+    Frames of the sheet at rest show all noise but rigid motion and mean gradient (:func:`.static.static_fit`).
     Their level holds for every later frame, raised where fine noise is larger there than in them. Where there are none,
-    differences along grid lines show noise that is rougher than the deformation (:func:`.noise_local.local_fit`, with
+    differences along grid lines show noise that is rougher than the deformation (:func:`.local.local_fit`, with
     what it cannot see).
 
     Args:

@@ -1,0 +1,1 @@
+"""The noise of measured displacements, from the displacements themselves."""
