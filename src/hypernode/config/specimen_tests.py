@@ -142,6 +142,11 @@ class SpecimenTest(Section):
         """Largest number of load steps that the selection gives."""
         return self.load_steps or len(self.frames or self.stretches or self.times)
 
+    def force_zero(self, axis: Axis) -> float:
+        """What the record reads along an axis before the sheet pulls [N]."""
+        given = self.force_offset
+        return given.get(axis, 0.0) if isinstance(given, dict) else given
+
     def stated_noise(self, mm: float) -> float | None:
         """Standard deviation of a measured displacement [mm] as the configuration gives it, or None.
 

@@ -9,7 +9,8 @@ from jaxtyping import Float, Int
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.config.specimens import Specimen
 from hypernode.dic.camera_motion import camera_motion, without
-from hypernode.dic.forces.importing import Component, import_forces
+from hypernode.dic.forces.importing import import_forces
+from hypernode.dic.forces.matching import Component
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, select_frames, trimmed
 from hypernode.dic.noise.steps import StepNoise, noise_of

@@ -21,7 +21,7 @@ from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS
 #: Share of a frame's points that may be lost: beyond it, more is guessed than measured.
 MOST_LOST = 0.5
 #: How much larger the measured field may be than the sheet: half a correlation window at every side.
-_BEYOND = 0.05
+BEYOND = 0.05
 #: Edges with the lower and the larger coordinate, by the axis of their normal.
 _OPPOSITE = (("left", "right"), ("bottom", "top"))
 
@@ -172,7 +172,7 @@ def _edges(specimen: Specimen, case: LoadCase, mesh: Mesh):
 def _share(specimen: Specimen, case: LoadCase, mesh: Mesh, along: int) -> float:
     """Share of the sheet's side along an axis that the grid covers."""
     name, side, field = ("width", "height")[along], (specimen.width, specimen.height)[along], float(mesh.size[along])
-    if field > (1.0 + _BEYOND) * side:
+    if field > (1.0 + BEYOND) * side:
         raise DicError(
             f"{case.test.folder}: the measured points span {field:.4g} mm along {'xy'[along]}, beyond the {name} of "
             f"the sheet, {side:.4g} mm, which carries the force: check {name}, pixel_size and the unit of the files"

@@ -41,14 +41,12 @@ class Estimate:
 
     @property
     def misfits(self) -> dict[str, float]:
-        """Root mean square misfits by name, in units of their uncertainty."""
-        forces = self.objective.force_misfit(self.states, self.linear)
-        return {"displacement": float(self.history[-1]), "force": forces}
+        """Root mean square misfits by name: of displacements over their scatter, of forces over their uncertainty.
 
-    @property
-    def displacement_misfit(self) -> float:
-        """Root mean square misfit of the displacements over their scatter: what is left of errors, shared or not."""
-        return float(self.history[-1]) / self.problem.observations.scatter
+        A descent weighs displacements by larger errors where points or steps share them, and its history is over those.
+        """
+        displacement = float(self.history[-1]) / self.problem.observations.scatter
+        return {"displacement": displacement, "force": self.objective.force_misfit(self.states, self.linear)}
 
     @property
     def summary(self) -> str:
@@ -60,9 +58,9 @@ class Estimate:
 
     @property
     def unexplained(self) -> float:
-        """The larger of the two misfits over what is still taken to be explained: beyond one, it is not."""
-        strategy, misfits = self.problem.strategy, self.misfits
-        return max(misfits["displacement"] / strategy.unexplained, misfits["force"] / strategy.forces_unexplained)
+        """The larger of the two misfits, as they are weighed, over what is still explained: beyond one, it is not."""
+        strategy, forces = self.problem.strategy, self.misfits["force"]
+        return max(float(self.history[-1]) / strategy.unexplained, forces / strategy.forces_unexplained)
 
     @property
     def data_share(self) -> float:

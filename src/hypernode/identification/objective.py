@@ -75,12 +75,9 @@ class Objective:
 
     def value(self, params, states, sigma: float, linear: Jacobian | None) -> float:
         """The objective with displacements weighted by ``sigma``."""
-        return self.misfits(states, sigma, linear) + self.regular(params)
-
-    def regular(self, params) -> float:
-        """The share of jumps and ridge in :meth:`value`."""
-        jumps = self.regulariser_weight * self.regulariser.value(params, self.jump_cost)
-        return float(jumps + 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2)
+        regular = self.regulariser_weight * self.regulariser.value(params, self.jump_cost)
+        regular += 0.5 * self.ridge @ (params.ravel() - self.centre) ** 2
+        return self.misfits(states, sigma, linear) + regular
 
     def misfits(self, states, sigma: float, linear: Jacobian | None) -> float:
         """The share of displacements and forces in :meth:`value`."""

@@ -148,16 +148,6 @@ class Strategy:
     # Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
 
-    #: Relative difference of stiffness below which two cells count as one material: twice what phases scatter by.
-    plateau: float = 0.05
-    #: Materials of neighbours that are offered to single cells at a time, for memory: as many as a contour has cells.
-    most_offers: int = 500
-    #: By how much a move must lower the objective, and stand out from others of the same cells: odds of twenty to one.
-    #: Where a test does not decide, a cell half-way between two materials is the smaller error.
-    decisive: float = 3.0
-    #: How often neighbours decide, each time from where the descent before ended.
-    neighbour_rounds: int = 3
-
     # Subcells: into how many rows and columns cells are divided, how many a sheet may have, for memory, and for how
     # many iterations it pays.
     subcells: int = 2

@@ -21,7 +21,6 @@ from hypernode.data.measurement import with_independent_errors
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
-from hypernode.identification.neighbours import moved_by_neighbours
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
@@ -50,7 +49,7 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     """
     found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
-        misfit = found.displacement_misfit
+        misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         found = _identified(with_independent_errors(measurement), settings, name, strategy)
     _warn(found, settings, name)
@@ -100,13 +99,12 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     found = without_fibres(found, settings, name)
     found = without_outliers(found, settings, name)
     found = perturbed(found, settings, name)
-    found = with_neighbours(found, settings, name)
     return subdivided(found, measurement, settings, name)
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
     """Say on standard error what stands against believing a field."""
-    misfit, strategy = found.displacement_misfit, found.problem.strategy
+    misfit, strategy = found.misfits["displacement"], found.problem.strategy
     if misfit > strategy.unexplained:
         print(
             f"warning: constrained field of {name}: displacements are missed by {misfit:.1f} times their "
@@ -160,22 +158,6 @@ def without_outliers(found: Estimate, settings: Constrained, name: str) -> Estim
         better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
         if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
             return better
-        found = better
-    return found
-
-
-def with_neighbours(found: Estimate, settings: Constrained, name: str) -> Estimate:
-    """Where descents end once neighbours have decided on cells of which the test says little, if that is the likelier.
-
-    Only where noise hides single cells, and where every cell is one material.
-    """
-    if not found.problem.sharp:
-        return found
-    for _ in range(found.problem.strategy.neighbour_rounds):
-        params = moved_by_neighbours(found)
-        better = found if params is None else _nearly(found, params, settings, name)
-        if better is found:
-            break
         found = better
     return found
 

@@ -1,7 +1,5 @@
 """The smallest configuration that runs a folder, with what of it is a guess."""
 
-import json
-import re
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 from hypernode.config.loading import ConfigError, load_config
 from hypernode.config.model import Config
+from hypernode.config.yaml_text import yaml_value
 from hypernode.dic.errors import DicError
 from hypernode.inspection.folder import Inspection
 
@@ -16,11 +15,6 @@ from hypernode.inspection.folder import Inspection
 _WIDTH = 110
 #: Place of a key among those of the specimen; others follow.
 _ORDER = {key: k for k, key in enumerate(("width", "height", "thickness", "pixel_size", "frame_rate", "load"))}
-#: Text that needs no quotation marks, but for words that mean something else.
-_PLAIN, _WORDS = (
-    re.compile(r"^[A-Za-z/][A-Za-z0-9_./-]*$"),
-    {"null", "true", "false", "yes", "no", "on", "off", "y", "n"},
-)
 
 
 def draft(seen: Inspection, method: str | None = None) -> str:
@@ -36,24 +30,18 @@ def draft(seen: Inspection, method: str | None = None) -> str:
     if seen.sheet is None:
         raise DicError("\n".join(remark.sentence for remark in seen.known.missing))
     lines = ["# What a folder shows and what was said of it. Lengths in mm, times in s, forces in N."]
-    lines += ["specimens:", f"  {_value(seen.name)}:", f"    folder: {_value(str(seen.folder))}"]
+    lines += ["specimens:", f"  {yaml_value(seen.name)}:", f"    folder: {yaml_value(str(seen.folder))}"]
     for key, value in sorted(seen.known.settings.items(), key=lambda item: _ORDER.get(item[0], len(_ORDER))):
         if key in seen.known.guesses:
             text = textwrap.wrap(f"A guess: {seen.known.guesses[key]}", _WIDTH, break_on_hyphens=False)
             lines += [f"    # {line}" for line in text]
-        lines.append(f"    {key}: {_value(value)}")
+        lines.append(f"    {key}: {yaml_value(value)}")
     if method is not None:
-        lines += ["cases:", f"  {_value(seen.name)}: {{specimen: {_value(seen.name)}, methods: [{_value(method)}]}}"]
+        lines += [
+            "cases:",
+            f"  {yaml_value(seen.name)}: {{specimen: {yaml_value(seen.name)}, methods: [{yaml_value(method)}]}}",
+        ]
     return "\n".join(lines) + "\n"
-
-
-def _value(value: object) -> str:
-    """A value in YAML, of which JSON is a part, without quotation marks and digits that say nothing."""
-    if isinstance(value, str) and _PLAIN.match(value) and value.lower() not in _WORDS:
-        return value
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return json.dumps(value, ensure_ascii=False)
 
 
 def write_draft(seen: Inspection, file: Path, method: str | None = None, over: Sequence[Path] = ()) -> Config:

@@ -9,7 +9,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.forces.checks import check_end
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.matching import PullRecord, pull_record
+from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
@@ -28,7 +28,7 @@ class Course:
         force: in N.
     """
 
-    part: tuple[int, int]
+    part: Component
     numbers: Int[np.ndarray, " frame"]
     stretch: Float[np.ndarray, " frame"]
     force: Float[np.ndarray, " frame"]
@@ -48,12 +48,11 @@ def courses(
     parts = [part for part in RESULTANTS[test.load] if record.axes == (PULL,) or "xy"[part[0]] in record.axes]
     if record.axes == (PULL,) and len(parts) > 1:
         return [], []
-    pulls = {part: pull_record(record, "xy"[part[0]], _zero(test, part[0]), clock) for part in parts}
+    pulls = pulls_of(test, record, parts, clock)
     offsets = _offsets(test, series, pulls)
     found = agreed_offset(offsets) if test.force_time_offset == "estimate" else None
     if found is not None:
-        later = clock.later(found.seconds)
-        pulls = {part: pull_record(record, "xy"[part[0]], _zero(test, part[0]), later) for part in parts}
+        pulls = pulls_of(test, record, parts, clock.later(found.seconds))
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
 
 
@@ -71,16 +70,11 @@ def going_on(record: ForceRecord, clock: FrameClock | None, last: int) -> list[s
     return list(dict.fromkeys(each.sentence for force in record.force.T for each in check_end(end, record.time, force)))
 
 
-def _zero(test: SpecimenTest, axis: int) -> float:
-    given = test.force_offset
-    return given.get("xy"[axis], 0.0) if isinstance(given, dict) else given
-
-
-def _offsets(test: SpecimenTest, series: Series, pulls: dict[tuple[int, int], PullRecord]) -> list[ClockOffset]:
+def _offsets(test: SpecimenTest, series: Series, pulls: dict[Component, PullRecord]) -> list[ClockOffset]:
     """Estimates from the largest force; none where the record numbers its pictures."""
     if not pulls:
         return []
-    part = max(pulls, key=lambda key: np.ptp(pulls[key].force))
+    part = best_told(pulls)
     pull = pulls[part]
     if pull.image is not None:
         return []
@@ -91,7 +85,7 @@ def _offsets(test: SpecimenTest, series: Series, pulls: dict[tuple[int, int], Pu
     return estimate_offsets(pull.times(numbers[seen]), stretch[seen], pull.time, pull.force, pull.displacement)
 
 
-def _course(series: Series, part: tuple[int, int], pull: PullRecord) -> Course:
+def _course(series: Series, part: Component, pull: PullRecord) -> Course:
     numbers = np.array([frame.number for frame in series.frames])
     reached = pull.reached(numbers)
     force = pull.forces(numbers[reached]) if reached.any() else np.empty(0)

@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping
 
+from hypernode.dic.specimen import BEYOND
 from hypernode.inspection.field import Field
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
 from hypernode.mechanics.loads import tensile_axis
 
-#: How far two lengths of a pixel, or field and sheet, may differ: by half a correlation window at every side.
-_ALIKE = 0.05
 #: Share of both sides below which a field is of another unit sooner than of a part of the sheet.
 _HARDLY = 0.1
 #: Digits of a guess: it is no better than the difference above.
@@ -42,7 +41,7 @@ def _pixel(given: Mapping[str, object], extent: tuple[float, float], load: str) 
     """The length of a pixel from the field's extent across the pull, where both axes agree."""
     sizes = (given["width"], given["height"])
     found = [size / points for size, points in zip(sizes, extent, strict=True)]
-    if max(found) > (1.0 + _ALIKE) * min(found):
+    if max(found) > (1.0 + BEYOND) * min(found):
         return missing(
             f"{_PIXEL}: the field of {extent[0]:.4g} x {extent[1]:.4g} pixels is not "
             f"alike to a sheet of {sizes[0]:.4g} x {sizes[1]:.4g} mm ({found[0]:.4g} and {found[1]:.4g} mm a pixel)",
@@ -61,7 +60,7 @@ def _pixel(given: Mapping[str, object], extent: tuple[float, float], load: str) 
 def _misfit(given: Mapping[str, object], extent: tuple[float, float]) -> Known:
     """What is strange about a field [mm] that is larger than its sheet, or a spot of it."""
     for key, points in zip(("width", "height"), extent, strict=True):
-        if points > (1.0 + _ALIKE) * given[key]:
+        if points > (1.0 + BEYOND) * given[key]:
             return odd(
                 f"the field is {extent[0]:.4g} x {extent[1]:.4g} mm and the sheet {given['width']:.4g} x "
                 f"{given['height']:.4g} mm: points lie beyond it; check the size and pixel_size",

@@ -1,9 +1,11 @@
 """What a job is made from besides the results of the stages before it: raw files, references and code."""
 
+from functools import cache
 from pathlib import Path
 
 from hypernode.config.model import Config
 from hypernode.config.slices import case_geometries
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import raw_files
 from hypernode.storage.provenance import code_hash
@@ -18,10 +20,17 @@ def specimen_files(config: Config, name: str) -> list[str]:
     """Raw files of a specimen: every frame and the force record of each of its tests."""
     specimen = config.specimens[config.cases[name].specimen]
     try:
-        files = [str(path) for test in specimen.all_tests for path in raw_files(test)]
+        tests = [test.model_dump_json(include=set(SpecimenTest.model_fields)) for test in specimen.all_tests]
+        files = [path for test in tests for path in _raw_files(test)]
     except DicError as error:
         raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
     return list(dict.fromkeys([*files, *([specimen.thickness_map] if specimen.thickness_map else [])]))
+
+
+@cache
+def _raw_files(test: str) -> tuple[str, ...]:
+    """Files of a test, given as JSON: every job of a case asks for them, and a folder is looked through once."""
+    return tuple(map(str, raw_files(SpecimenTest.model_validate_json(test))))
 
 
 def image_files(config: Config, name: str) -> list[str]:

@@ -64,8 +64,7 @@ def _posterior(found, settings: Constrained) -> dict:
 
 def _ending(found) -> dict:
     """How the descent to the field ended, as attributes."""
-    misfits = found.misfits | {"displacement": found.displacement_misfit}
-    ending = {"ending": str(found.ending), "misfits": json.dumps(misfits)}
+    ending = {"ending": str(found.ending), "misfits": json.dumps(found.misfits)}
     if found.step is not None:
         ending |= {"gradient_norm": found.step.gradient_norm, "cg_residual": found.step.cg_residual}
     return ending

@@ -1,12 +1,12 @@
 """A measurement file as a folder of frames, a force record and the configuration that imports them again."""
 
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from hypernode.config.yaml_text import yaml_value
 from hypernode.data.measurement import displacement_noise, mesh_of
 from hypernode.dic.errors import DicError
 from hypernode.dic.recorded import RecordedTest, recorded_tests
@@ -80,11 +80,13 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
     ]
     lines = [*_remarks(measurement, path), "specimens:", f"  {name}:"]
     together = sheet | entries[0] if len(tests) == 1 else sheet
-    lines += [f"    {key}: {_value(value)}" for key, value in together.items()]
+    lines += [f"    {key}: {yaml_value(value)}" for key, value in together.items()]
     if len(tests) > 1:
         lines.append("    tests:")
         for entry in entries:
-            lines += [f"      {'-' if key == 'folder' else ' '} {key}: {_value(value)}" for key, value in entry.items()]
+            lines += [
+                f"      {'-' if key == 'folder' else ' '} {key}: {yaml_value(value)}" for key, value in entry.items()
+            ]
     return "\n".join([*lines, ""])
 
 
@@ -110,11 +112,3 @@ def _remarks(measurement: xr.Dataset, path: Path) -> list[str]:
     if any(np.ptp(np.diff(line)) > EQUIDISTANT * (line[-1] - line[0]) for line in mesh.lines):
         lines.append("# The grid is graded: an import interpolates it onto an equidistant one.")
     return lines
-
-
-def _value(value) -> str:
-    """A value as YAML of every version reads it: 1e-06 would be a text to some."""
-    if isinstance(value, float):
-        mantissa, e, exponent = repr(value).partition("e")
-        return mantissa + (".0" if "." not in mantissa else "") + e + exponent
-    return value if isinstance(value, str) and re.fullmatch("[a-z_]+", value) else json.dumps(value)

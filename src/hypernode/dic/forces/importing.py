@@ -18,7 +18,7 @@ from hypernode.dic.forces.checks import (
 )
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.matching import PullRecord, pull_record
+from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
@@ -28,8 +28,6 @@ from hypernode.progress import say
 
 #: Stretch along a force over shear, below which the force is taken for that of the shear.
 _HARDLY_STRETCHED = 0.1
-#: Component (i, J) of a resultant: the force along i across the sections whose normal is J.
-Component = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ def import_forces(
     record = _record(test, series)
     channels = ", ".join(record.channels)
     say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
-    pulls = {part: pull_record(record, "xy"[part[0]], _offset(test, part), clock) for part in _components(test, record)}
+    pulls = pulls_of(test, record, _components(test, record), clock)
     _refuse_across_a_shear(test, record, series, pulls)
     pulls, findings = _on_one_clock(test, pulls, series, chosen)
     numbers = np.array([frame.number for frame in series.frames])
@@ -139,15 +137,9 @@ def _refuse_across_a_shear(test: SpecimenTest, record: ForceRecord, series: Seri
             )
 
 
-def _offset(test: SpecimenTest, part: Component) -> float:
-    given = test.force_offset
-    return given.get("xy"[part[0]], 0.0) if isinstance(given, dict) else given
-
-
 def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series, chosen):
     """(the pulls in the clock of the pictures as far as it is told, what is strange about it)."""
-    # The largest force tells the clock best.
-    part = max(pulls, key=lambda key: np.ptp(pulls[key].force))
+    part = best_told(pulls)
     pull, given = pulls[part], test.force_time_offset
     if pull.image is not None:
         return pulls, []

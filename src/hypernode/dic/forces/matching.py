@@ -1,10 +1,12 @@
 """Which force belongs to which frame: by the number of the picture where the record has it, else by time."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
@@ -87,6 +89,23 @@ class PullRecord:
                 raise DicError(f"{self.record.path}: no sample of picture {number}; {extent}")
             means.append(values[at].mean())
         return np.array(means)
+
+
+#: Component (i, J) of a resultant: the force along i across the sections whose normal is J.
+Component = tuple[int, int]
+
+
+def pulls_of(
+    test: SpecimenTest, record: ForceRecord, parts: Iterable[Component], clock: FrameClock | None
+) -> dict[Component, PullRecord]:
+    """The parts of a test's record that belong to its forces, in the clock of the frames."""
+    axes = {part: "xy"[part[0]] for part in parts}
+    return {part: pull_record(record, axis, test.force_zero(axis), clock) for part, axis in axes.items()}
+
+
+def best_told(pulls: dict[Component, PullRecord]) -> Component:
+    """The force that tells the clock best: the largest."""
+    return max(pulls, key=lambda part: np.ptp(pulls[part].force))
 
 
 def pull_record(record: ForceRecord, axis: str, force_offset: float, clock: FrameClock | None) -> PullRecord:

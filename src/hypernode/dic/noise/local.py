@@ -8,13 +8,13 @@ from scipy.stats import norm
 from hypernode.dic.noise.correlation import autocorrelation, best_length, lengths_up_to
 
 #: Fourth difference: zero for displacements up to the third degree, so for strain gradients that vary linearly.
-_STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-_REACH = len(_STENCIL) - 1
+STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_REACH = len(STENCIL) - 1
 #: The variance of differences is the sum of the autocovariance at 0 to 4 spacings with these weights.
-_LAG_WEIGHTS = np.correlate(_STENCIL, _STENCIL, "full")[_REACH:] * np.array([1.0, 2.0, 2.0, 2.0, 2.0])
+_LAG_WEIGHTS = np.correlate(STENCIL, STENCIL, "full")[_REACH:] * np.array([1.0, 2.0, 2.0, 2.0, 2.0])
 _GAIN = _LAG_WEIGHTS[0]
 #: Relative variance of a mean square of n neighbouring differences of white noise, times n.
-_SCATTER = 2.0 * float((np.correlate(_STENCIL, _STENCIL, "full") ** 2).sum()) / _GAIN**2
+_SCATTER = 2.0 * float((np.correlate(STENCIL, STENCIL, "full") ** 2).sum()) / _GAIN**2
 #: Largest spacing, in lines of the grid: the stencil then spans two thirds of the sheet.
 _LINES_A_SPACING = 6
 #: Spacings of every grid that is large enough, all of them; larger ones grow by a fifth.
@@ -80,7 +80,7 @@ def _variances(u: Float[np.ndarray, "row column"]) -> Float[np.ndarray, "spacing
         lines = np.moveaxis(u, axis, 0)
         for k in _spacings(len(lines)):
             count = len(lines) - _REACH * k
-            difference = sum(w * lines[i * k : i * k + count] for i, w in enumerate(_STENCIL))
+            difference = sum(w * lines[i * k : i * k + count] for i, w in enumerate(STENCIL))
             known = difference[np.isfinite(difference)]
             if known.size < _FEWEST:
                 break

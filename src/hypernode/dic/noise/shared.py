@@ -3,17 +3,16 @@
 import numpy as np
 from jaxtyping import Float
 
-#: The fourth difference, which leaves hardly anything of a smooth field.
-_STENCIL = (1.0, -4.0, 6.0, -4.0, 1.0)
+from hypernode.dic.noise.local import STENCIL
 
 
 def fine(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarray, "step value"]:
     """Fourth differences of every step between neighbours along x and y, NaN where one of the points was lost."""
     parts = []
     for axis in (1, 2):
-        size = displacement.shape[axis] - len(_STENCIL) + 1
-        shifted = [np.take(displacement, np.arange(k, k + size), axis=axis) for k in range(len(_STENCIL))]
-        parts.append(sum(c * part for c, part in zip(_STENCIL, shifted, strict=True)))
+        size = displacement.shape[axis] - len(STENCIL) + 1
+        shifted = [np.take(displacement, np.arange(k, k + size), axis=axis) for k in range(len(STENCIL))]
+        parts.append(sum(c * part for c, part in zip(STENCIL, shifted, strict=True)))
     return np.concatenate([part.reshape(len(displacement), -1) for part in parts], axis=1)
 
 
