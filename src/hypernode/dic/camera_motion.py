@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.dic.turning import turned
 from hypernode.fem.mesh import EDGES
 
 #: Share of an edge that must be measured: what is left may lie at one end and tell its noise alone.
@@ -68,9 +69,9 @@ def camera_motion(
     deformed = _positions(x, y) + displacement
     found = [_direction(_line(deformed, edge), component) for edge, component in held if EDGES[edge][0] == component]
     angle, uncertainty = _mean([each for each in found if each is not None])
-    back = _turned(deformed, -angle) - _positions(x, y)
+    back = turned(deformed, -angle) - _positions(x, y)
     shift = np.array([_at_rest(back, component, held) for component in (0, 1)])
-    return CameraMotion(angle, uncertainty, _turned(shift, angle))
+    return CameraMotion(angle, uncertainty, turned(shift, angle))
 
 
 def without(
@@ -81,16 +82,11 @@ def without(
 ) -> Float[np.ndarray, "row column 2"]:
     """Displacements as a camera that had not moved would have seen them; for motions that are significant."""
     position = _positions(x, y)
-    return _turned(position + displacement - motion.translation, -motion.angle) - position
+    return turned(position + displacement - motion.translation, -motion.angle) - position
 
 
 def _positions(x: np.ndarray, y: np.ndarray) -> Float[np.ndarray, "row column 2"]:
     return np.stack(np.meshgrid(x, y), axis=-1)
-
-
-def _turned(vector: Float[np.ndarray, "*point 2"], angle: float) -> Float[np.ndarray, "*point 2"]:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.stack([c * vector[..., 0] - s * vector[..., 1], s * vector[..., 0] + c * vector[..., 1]], axis=-1)
 
 
 def _line(field: Float[np.ndarray, "row column 2"], edge: str) -> Float[np.ndarray, "point 2"]:

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from hypernode.dic.grid import FEWEST_LINES, MOST_PLACES, ON_LINE, ROUNDING, ExactGrid, exact_grid_of
 from hypernode.dic.points import Points
+from hypernode.dic.turning import turned
 
 #: Longest side between neighbours over the distance of nearest ones: halfway to the diagonal of a square.
 _NEIGHBOURS = 1.2
@@ -38,8 +39,8 @@ class Tilt:
         """Points with the components in the plane along the axes of the grid."""
         return replace(
             points,
-            position=_turned(points.position, self.angle),
-            displacement=_turned(points.displacement, self.angle),
+            position=turned(points.position, -self.angle),
+            displacement=turned(points.displacement, -self.angle),
         )
 
 
@@ -59,30 +60,21 @@ def tilt_of(points: Points) -> Tilt | None:
     if abs(angle) < np.pi / 8 and exact_grid_of(points) is not None:
         return None
     angle = _refined(position, angle, step)
-    turned = _turned(position, angle)
-    index = [_line(turned[:, axis], 0.5 * step) for axis in (0, 1)]
-    grid = ExactGrid(*(_means(turned[:, axis], index[axis]) for axis in (0, 1)))
+    along = turned(position, -angle)
+    index = [_line(along[:, axis], 0.5 * step) for axis in (0, 1)]
+    grid = ExactGrid(*(_means(along[:, axis], index[axis]) for axis in (0, 1)))
     if not grid.regular or len(grid.x) * len(grid.y) > MOST_PLACES * len(position):
         return None
     off, before = (
         np.array([np.abs(_off_lines(place[:, axis], index[axis])).max() for axis in (0, 1)])
-        for place in (turned, position)
+        for place in (along, position)
     )
     if (off > ON_LINE * grid.step).any() or off.max() * _NEARER > before.max():
         return None
     # By a step along each side, that of the files must be the smaller one.
-    if np.prod(np.ptp(turned, axis=0)) > np.prod(np.ptp(position, axis=0) + step):
+    if np.prod(np.ptp(along, axis=0)) > np.prod(np.ptp(position, axis=0) + step):
         return None
     return Tilt(float(angle), grid)
-
-
-def _turned(vector: Float[np.ndarray, "point axis"], angle: float) -> Float[np.ndarray, "point axis"]:
-    """Components along axes that are turned by an angle in the plane."""
-    c, s = np.cos(angle), np.sin(angle)
-    turned = vector.copy()
-    turned[:, 0] = c * vector[:, 0] + s * vector[:, 1]
-    turned[:, 1] = c * vector[:, 1] - s * vector[:, 0]
-    return turned
 
 
 def _neighbours(position: Float[np.ndarray, "point 2"]) -> tuple[float, float]:
@@ -112,10 +104,10 @@ def _off_lines(values: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 def _refined(position: Float[np.ndarray, "point 2"], angle: float, step: float) -> float:
     """The angle at which the points are nearest to their lines in the sense of least squares, in (-pi/4, pi/4]."""
-    turned = _turned(position, angle)
-    column, row = (_line(turned[:, axis], 0.5 * step) for axis in (0, 1))
+    along = turned(position, -angle)
+    column, row = (_line(along[:, axis], 0.5 * step) for axis in (0, 1))
     for _ in range(_REFINEMENTS):
-        x, y = _turned(position, angle).T
+        x, y = turned(position, -angle).T
         # Turned further by a small angle d, points are x + d y off lines along y and y - d x off lines along x.
         off_x, along_y = _off_lines(x, column), _off_lines(y, column)
         off_y, along_x = _off_lines(y, row), _off_lines(x, row)
