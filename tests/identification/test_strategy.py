@@ -246,9 +246,10 @@ def observed_coarsely(cells, inclusion, load, window):
     u = data["u_measured"].values[0]
     seen = (window_average(mesh, window) @ u.reshape(len(u), -1).T).T.reshape(u.shape)
     every_second = (2 * np.arange(cells + 1)[:, None] * (2 * cells + 1) + 2 * np.arange(cells + 1)).ravel()
-    data = data.drop_vars(["X", "cells", "u_measured"]).assign(
+    data = data.drop_dims(["node", "cell"]).assign(
         X=(("node", "i"), grid.nodes),
         cells=(("cell", "vertex"), grid.cells),
+        relative_thickness=("cell", np.ones(len(grid.cells))),
         u_measured=(("repeat", "load_step", "node", "i"), seen[None, :, every_second]),
     )
     inside = inclusion(mesh.centres).reshape(cells, 2, cells, 2).mean(axis=(1, 3)).ravel()
