@@ -34,7 +34,7 @@ GOOD = {
 def clean():
     """A measured sheet, without noise."""
     measurement, _, _ = sheet(8, square, make_load("biaxial", [[1.05, 1.04], [1.1, 1.06]]), terms=("I1_squared",))
-    return measurement.assign_attrs(force_uncertainty=0.0, outline="edge", forces="measured")
+    return measurement.assign_attrs(outliers=0)
 
 
 @pytest.fixture(scope="module")
@@ -155,6 +155,12 @@ def test_forces_are_judged_against_the_uncertainty_that_is_stated_for_them(measu
         assert level(judged(uncertain, edge_force_error_identified=value), "forces") is wanted
 
 
+def test_more_points_that_were_mistaken_than_one_in_a_hundred_are_warned_of(measurement):
+    points = measurement.sizes["load_step"] * measurement.sizes["node"]
+    for share, wanted in ((0.005, Level.PASSED), (0.05, Level.WARNED), (0.2, Level.FAILED)):
+        assert level(judged(measurement.assign_attrs(outliers=round(share * points))), "outliers") is wanted
+
+
 def test_a_number_that_is_not_finite_fails_and_is_stored_as_none(measurement):
     for key, name in (
         ("equilibrium_gap_identified", "equilibrium"),
@@ -171,7 +177,7 @@ def test_a_method_without_an_equilibrium_field_is_judged_by_forces_and_equilibri
     numbers = {key: GOOD[key] for key in ("edge_force_error_identified", "equilibrium_gap_identified")}
     verdict = judge_run(numbers, measurement)
     found = [each.name for each in verdict.criteria if each.level is not Level.NOT_JUDGED]
-    assert verdict.label == "pass" and found == ["forces", "equilibrium"]
+    assert verdict.label == "pass" and found == ["outliers", "forces", "equilibrium"]
 
 
 def test_the_sides_of_a_cut_grid_carry_forces_so_that_its_equilibrium_is_not_judged(measurement):

@@ -6,6 +6,7 @@ import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.problem import field_problem
+from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import quadrature
 from hypernode.identification.settings import Strategy
 from hypernode.mechanics.loads import make_load
@@ -18,6 +19,7 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, subcells):
     # Differences need a sharper equilibrium than an identification does.
     strategy = Strategy(newton_tolerance=1e-10)
     data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3, window=window)
+    data = data.assign_attrs(force_gain_uncertainty=0.01, force_offset_uncertainty=0.003)
     problem = field_problem(data, Constrained(terms=["I1_squared"]), subcells, strategy)
     params, _ = problem.inherited(params, [])
     rng = np.random.default_rng(2)
@@ -43,7 +45,9 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, subcells):
     J = np.stack([linear.adjoint(unit) for unit in np.eye(linear.shape[0])])
     slope = (residuals(params + h * step) - residuals(params - h * step)) / (2 * h)
     np.testing.assert_allclose(J @ change, slope, atol=1e-6 * np.abs(slope).max())
-    np.testing.assert_allclose(linear.curvature(change), J.T @ (J @ change), rtol=1e-10, atol=1e-12 * np.abs(J).max())
+    np.testing.assert_allclose(
+        linear.curvature(change), J.T @ (J @ change), rtol=1e-10, atol=1e-12 * np.abs(J).max() ** 2
+    )
 
 
 def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():
@@ -85,6 +89,52 @@ def test_errors_of_prescribed_edges_that_the_whole_sheet_shares_are_no_misfit_of
     by_chance = np.sqrt(2.0 * count)
     assert abs(sum(white) - count) < 3.0 * by_chance
     assert sum(raw) - count > 3.5 * by_chance
+
+
+def test_errors_that_forces_share_are_those_of_each_load_cell_and_whitened_residuals_have_none():
+    """W (I + A A^T) W = I, where A holds the errors of edges by step and those of gain and zero over all steps."""
+    data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-3)
+    data = data.assign_attrs(force_gain_uncertainty=0.02, force_offset_uncertainty=0.01)
+    problem = field_problem(data, Constrained(terms=["I1_squared"]))
+    force = np.array([each.value for each in problem.forces])
+    A = shared_errors(problem.forces)
+    # Forces of both steps on two edges: two load cells, each with a gain and a zero.
+    assert A.shape == (4, 4) and np.linalg.matrix_rank(A) == 4
+    np.testing.assert_allclose(np.linalg.norm(A[:, 0::2], axis=1), 0.02 * force)
+    largest = np.array([abs(force[k::2]).max() for k in (0, 1, 0, 1)])
+    np.testing.assert_allclose(np.linalg.norm(A[:, 1::2], axis=1), 0.01 * largest)
+
+    params = problem.homogeneous.params[None].repeat(25, axis=0)
+    states = problem.equilibrium.states(params, problem.equilibrium.extension(params))
+    linear = problem.linearise(params, states, problem.sigma)
+    W = np.stack([linear.whiten(unit) for unit in np.eye(linear.shape[0])], axis=1)
+    covariance = np.linalg.inv(W @ W.T)
+    by_step = field_problem(data.assign_attrs(force_gain_uncertainty=0.0, force_offset_uncertainty=0.0),
+                            Constrained(terms=["I1_squared"])).linearise(params, states, problem.sigma)  # fmt: skip
+    S = np.stack([by_step.whiten(unit) for unit in np.eye(linear.shape[0])], axis=1)
+    of_forces = np.zeros((linear.shape[0], 4))
+    of_forces[-4:] = A / np.array([each.sigma for each in problem.forces])[:, None]
+    white = S @ of_forces
+    # The order of the two whitenings matters to W, not to the quadratic form.
+    expected = S @ np.linalg.inv(np.eye(len(S)) + white @ white.T) @ S
+    np.testing.assert_allclose(W.T @ W, expected, atol=1e-9 * np.abs(expected).max())
+    assert linear.log_determinant == pytest.approx(np.linalg.slogdet(covariance)[1], rel=0.02)
+
+
+def test_a_load_cell_that_reads_three_percent_too_much_is_no_misfit_where_it_may():
+    data, _, params = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-4)
+
+    def misfit(read, gain):
+        read = data.assign(edge_force=read * data["edge_force"]).assign_attrs(force_gain_uncertainty=gain)
+        problem = field_problem(read, Constrained(terms=["I1_squared"]))
+        states = problem.equilibrium.states(params, problem.equilibrium.extension(params))
+        linear = problem.linearise(params, states, problem.sigma)
+        u, f = problem.residuals(states)
+        return np.sum(linear.whiten(np.concatenate([*(r / problem.sigma for r in u), f])) ** 2)
+
+    assert misfit(1.03, 0.0) > misfit(1.0, 0.0) + 1000.0
+    # Two load cells, each off by one standard deviation.
+    assert abs(misfit(1.03, 0.03) - misfit(1.0, 0.03)) < 4.0
 
 
 def test_two_steps_of_a_test_stand_for_all_of_them():

@@ -50,7 +50,8 @@ def measurement(folder, kinds=("clamped_y",), units=SYNTHETIC_UNITS, noise=0.01,
     }  # fmt: skip
     attributes = {
         "units": units, "load_cases": list(kinds), "outline": "edge", "thickness": 1.55, "forces": "measured",
-        "force_uncertainty": 0.02, "correlation_window": 0.1,
+        "force_uncertainty": 0.02, "force_gain_uncertainty": 0.03, "force_offset_uncertainty": 0.004,
+        "correlation_window": 0.1,
     }  # fmt: skip
     path = folder / "results/sheet/measurement.nc"
     write(path, variables, "synthetic measurement of sheet", attributes)
@@ -196,6 +197,7 @@ def test_a_sheet_whose_force_nobody_recorded_is_written_without_a_record(tmp_pat
     other = tmp_path / "assumed.nc"
     attributes = {key: attributes[key] for key in ("units", "load_cases", "forces", "outline")}
     attributes |= {"thickness": 1.55, "force_uncertainty": 0.01, "correlation_window": 0.0}
+    attributes |= {"force_gain_uncertainty": 0.01, "force_offset_uncertainty": 0.001}
     write(other, {name: data[name].values for name in data.variables}, "measurement", attributes)
     written = export_csv.run(other, tmp_path / "out")
     (specimen,) = read_yaml(written).content["specimens"].values()

@@ -100,6 +100,12 @@ class SpecimenTest(Section):
     force_uncertainty: Fraction = 0.01
     """Relative uncertainty of the force that the grid carries: the load cell's, and that of the share of the sheet's
     width that is left of it."""
+    force_gain_uncertainty: Fraction = 0.01
+    """Relative uncertainty of the load cell's gain, which all forces of a test along one axis share: 1 % of a machine
+    of class 1 after ISO 7500-1."""
+    force_offset_uncertainty: Fraction = 0.001
+    """Uncertainty of the load cell's zero over the largest force, which all forces of a test along one axis share:
+    0.1 % of that class."""
     relaxation: bool = True
     """Whether to tell from the record which share of the force is a matter of time, and identify without it."""
     camera_motion: bool = True

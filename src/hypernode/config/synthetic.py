@@ -5,7 +5,7 @@ from typing import Literal, Union
 
 from pydantic import ConfigDict, Field, model_validator
 
-from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
+from hypernode.config.section import Count, Fraction, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import PARAMETERS
 
 LoadKind = Literal[
@@ -75,7 +75,7 @@ class Load(Section):
 
 
 class Noise(Section):
-    """Measurement error of the displacement."""
+    """Measurement errors of displacements and forces. An identification is told their sizes, but not of outliers."""
 
     sigma: NonNegative = 0.0
     """Standard deviation, in the length unit of the sheet."""
@@ -83,6 +83,19 @@ class Noise(Section):
     """How often each step is measured."""
     seed: NonNegativeInt = 0
     """Seed of the errors."""
+    correlation_length: NonNegative = 0.0
+    """Standard deviation of the Gaussian, in grid steps, with which errors of neighbouring points are smoothed; 0:
+    each has its own."""
+    outliers: Fraction = 0.0
+    """Share of the displacements that are off by ``outlier_size`` in a random direction."""
+    outlier_size: NonNegative = 0.0
+    """How far, in the length unit of the sheet."""
+    force: Fraction = 0.0
+    """Relative standard deviation of the force of each step."""
+    force_gain: Fraction = 0.0
+    """That of the load cell's gain along each axis, which the steps of a load case share."""
+    force_offset: Fraction = 0.0
+    """That of its zero, over the largest force."""
 
 
 class Layer(Section):

@@ -81,6 +81,24 @@ def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
     return measurement["relative_thickness"].values
 
 
+def force_gain_uncertainty(measurement: xr.Dataset) -> float:
+    """Relative uncertainty of the gain of a load cell, which all forces of one of its channels share.
+
+    None where no force was recorded: the assumed one is a convention.
+    """
+    return float(measurement.attrs["force_gain_uncertainty"]) if measurement.attrs["forces"] == "measured" else 0.0
+
+
+def force_offset_uncertainty(measurement: xr.Dataset) -> float:
+    """Uncertainty of the zero of a load cell over the largest force of a channel, which all of its forces share."""
+    return float(measurement.attrs["force_offset_uncertainty"]) if measurement.attrs["forces"] == "measured" else 0.0
+
+
+def noise_uncertainty(measurement: xr.Dataset) -> float:
+    """Relative uncertainty of the level of noise itself."""
+    return float(measurement.attrs["noise_uncertainty"])
+
+
 def is_cut_out(measurement: xr.Dataset) -> bool:
     """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
     return measurement.attrs["outline"] == "cut"

@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimens import Specimen
 from hypernode.data.lost import filled
+from hypernode.data.outliers import outliers
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.level import assumed_force
 from hypernode.dic.load_case import LoadCase, import_load_case
@@ -17,6 +18,7 @@ from hypernode.dic.thickness import thickness_at
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS
+from hypernode.progress import say
 
 #: Share of a frame's points that may be lost: beyond it, more is guessed than measured.
 MOST_LOST = 0.5
@@ -35,6 +37,7 @@ class ImportedSpecimen:
         cases: the tests as they were read.
         load_case: test of each step (step,).
         u: displacement since the reference, NaN where a point was lost.
+        outliers: how many points of how many steps count as lost since they are off what their neighbours say.
         H: mean displacement gradient.
         edge_force: resultant of each edge that is known [N].
         constrained: 1 where the displacement is prescribed, by step, edge and component.
@@ -47,6 +50,7 @@ class ImportedSpecimen:
     cases: list[LoadCase]
     load_case: Int[np.ndarray, " step"]
     u: Float[np.ndarray, "step node 2"]
+    outliers: int
     H: Float[np.ndarray, "step 2 2"]
     edge_force: Float[np.ndarray, "step edge 2"]
     constrained: Float[np.ndarray, "step edge 2"]
@@ -97,6 +101,7 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None) -> Importe
     field = np.stack([np.zeros(2), cases[0].size])
     mesh = _mesh(x, y, field, hole)
     u = [displacement.reshape(len(displacement), -1, 2)[:, mesh.places] for displacement in fields]
+    mistaken = [_mistaken(case, mesh, each) for case, each in zip(cases, u, strict=True)]
     H = [_mean_H(case, mesh, each) for case, each in zip(cases, u, strict=True)]
     edge_force, constrained = (
         np.concatenate(each) for each in zip(*(_edges(specimen, case, mesh) for case in cases), strict=True)
@@ -111,6 +116,7 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None) -> Importe
         cases,
         np.repeat(np.arange(len(cases)), steps),
         np.concatenate(u),
+        int(sum(each.sum() for each in mistaken)),
         np.concatenate(H),
         edge_force,
         constrained,
@@ -128,6 +134,21 @@ def _mesh(x, y, field, hole: Callable | None) -> Mesh:
         if not keep.any():
             raise DicError("the hole leaves no cell of the grid")
     return rectilinear(x, y, keep)
+
+
+def _mistaken(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
+    """Which points of which steps the software mistook; they are lost from ``u`` then, and said in the log."""
+    found = outliers(mesh, u, case.noise.scatter)
+    if found.any():
+        u[found] = np.nan
+        worst = int(np.argmax(found.sum(axis=1)))
+        say(
+            "import",
+            case.test.folder,
+            f"{found.sum()} points of {len(u)} load steps are off what their neighbours say and count as lost, most "
+            f"of them ({found[worst].sum()}) in frame {case.numbers[worst]}",
+        )
+    return found
 
 
 def _mean_H(case: LoadCase, mesh: Mesh, u) -> np.ndarray:

@@ -37,6 +37,8 @@ class Settings:
     misfit_low: float = 0.8
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
+    #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
+    outliers: Threshold = Threshold(0.01, 0.10)
     #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.
     force: Threshold = Threshold(3.0, 10.0)
     #: What no material of the basis follows, over the forces: as much as a load cell and the scatter between frames
@@ -72,6 +74,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
+            _outliers(measurement, settings),
             _forces(summary, measurement, force),
             _law(constrained, settings),
             _equilibrium(summary, measurement, settings),
@@ -131,6 +134,15 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
     by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
     return _limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _outliers(measurement, settings: Settings) -> Criterion:
+    name = "outliers"
+    if "outliers" not in measurement.attrs:
+        return _not_judged(name, "The measurement does not say whether points were mistaken.")
+    sizes = measurement.sizes
+    share = int(measurement.attrs["outliers"]) / (sizes["load_step"] * sizes["node"] * sizes["repeat"])
+    return _limited(name, "Points that stand alone and count as lost are", share, settings.outliers)
 
 
 def _forces(summary, measurement, threshold: Threshold) -> Criterion:

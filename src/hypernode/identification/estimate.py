@@ -63,14 +63,32 @@ class Estimate:
         return max(float(self.history[-1]) / strategy.unexplained, forces / strategy.forces_unexplained)
 
     @property
+    def unlikelihood(self) -> float:
+        """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
+
+        That is half the logarithm of the determinant of the covariance that shared errors give to residuals, and what
+        a parameter of the terms costs that is one for all of the sheet, half the logarithm of the number of data
+        (Schwarz, Estimating the dimension of a model, 1978); that it varies costs jumps.
+        """
+        shared = 0.0 if self.linear is None else self.linear.log_determinant
+        number = len(self.problem.basis.names)
+        return self.cost + 0.5 * shared + 0.5 * number * float(np.log(max(self.problem.observed, 1)))
+
+    @property
     def data_share(self) -> float:
         """Share of the cost that misfits make up: all that further terms could take away."""
         return self.objective.misfits(self.states, self.problem.sigma, self.linear) / self.cost
 
     @property
     def excess(self) -> float:
-        """How much more of noisy displacements is left than their noise, in standard deviations of that by chance."""
-        return 2.0 * np.sqrt(self.problem.cost_of_noise) * (self.history[-1] - 1.0) if self.problem.noisy else 0.0
+        """How much more of noisy displacements is left than their noise, in standard deviations of that by chance.
+
+        By chance of the errors, whose number is large, and of the level of noise, which is known as far as it is.
+        """
+        if not self.problem.noisy:
+            return 0.0
+        by_chance = 0.5 / np.sqrt(self.problem.cost_of_noise)
+        return float(self.history[-1] - 1.0) / float(np.hypot(by_chance, self.problem.observations.noise_uncertainty))
 
     @property
     def ambiguous(self) -> bool:

@@ -1,6 +1,5 @@
-"""What a test says of a sheet: prescribed displacements, observed ones and their noise, and forces."""
+"""What a test says of a sheet's displacement: what is prescribed, what was observed, and its noise."""
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +15,12 @@ from hypernode.data.measurement import (
     measured_displacement,
     mesh_of,
     noise_of_steps,
+    noise_uncertainty,
     relative_thickness,
     scatter_of_steps,
-    stress_resultants,
 )
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.fem.mesh import EDGE_NAMES, Mesh
+from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement, refine
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
@@ -55,16 +54,6 @@ class Boundary:
 
 
 @dataclass(frozen=True)
-class EdgeForce:
-    """A measured resultant: load step, indicator of its degrees of freedom, value and its uncertainty."""
-
-    step: int
-    direction: np.ndarray
-    value: float
-    sigma: float
-
-
-@dataclass(frozen=True)
 class Observations:
     """A measurement as an identification uses it.
 
@@ -76,6 +65,7 @@ class Observations:
         scatter: what is expected of the root mean square of u's errors over sigma: 1 where errors are independent, less
             where points or steps share them, so that each is weighed as a larger one.
         noisy: whether noise is the larger of the two.
+        noise_uncertainty: relative uncertainty of that noise.
         window: side of the camera's correlation window, 0 without one.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
@@ -90,6 +80,7 @@ class Observations:
     sigma: float
     scatter: float
     noisy: bool
+    noise_uncertainty: float
     window: float
     cut: bool
     largest_stretch: float
@@ -145,6 +136,7 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
         sigma,
         scatter,
         noisy,
+        noise_uncertainty(measurement),
         window,
         cut,
         stretch,
@@ -188,31 +180,3 @@ def _kept_from_drifting(grid: Mesh, u, edges: PrescribedDisplacement, noise) -> 
             own[2 * point + i] = noise[i]
             errors = np.concatenate([errors, own], axis=1)
     return PrescribedDisplacement(mask, values, errors)
-
-
-def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) -> list[EdgeForce]:
-    """Measured resultants, one a step and component; their overall balance gives the other edge.
-
-    Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
-    both resultants say something.
-
-    Args:
-        mesh: on whose nodes they act.
-        relative: uncertainty of a force over its size.
-    """
-    cut, force = is_cut_out(measurement), stress_resultants(measurement)
-    constrained = measurement["edge_constrained"].values > 0
-    largest = np.nan_to_num(np.abs(force)).max(axis=(1, 2))
-    forces = []
-    for step in range(len(force)):
-        for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):
-            for edge in edges:
-                e = EDGE_NAMES.index(edge)
-                if constrained[step, e, i] and np.isfinite(force[step, e, i]):
-                    direction = np.zeros(mesh.nodes.shape)
-                    direction[mesh.on_edge(edge), i] = 1.0
-                    sigma = relative * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
-                    forces.append(EdgeForce(step, direction.ravel(), float(force[step, e, i]), sigma))
-                    if not cut:
-                        break
-    return forces

@@ -15,7 +15,8 @@ from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.equilibrium import FieldEquilibrium, State
 from hypernode.identification.homogeneous import Homogeneous, fit_homogeneous
-from hypernode.identification.observations import EdgeForce, Observations, edge_forces, observe
+from hypernode.identification.observations import Observations, observe
+from hypernode.identification.resultants import EdgeForce, edge_forces, shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian, quadrature
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import ConvexBasis
@@ -139,7 +140,8 @@ class FieldProblem:
             B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
             forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
             steps.append(StepJacobian(K, B, state.free, boundary.observe / sigma, forces, boundary.errors))
-        return Jacobian(steps, [force.step for force in self.forces], sigma, self._shares)
+        errors = shared_errors(self.forces) / np.array([force.sigma for force in self.forces])[:, None]
+        return Jacobian(steps, [force.step for force in self.forces], errors, sigma, self._shares)
 
 
 def field_problem(measurement, settings: Constrained, subcells: int = 1, strategy: Strategy = STRATEGY) -> FieldProblem:

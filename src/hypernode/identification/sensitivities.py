@@ -45,6 +45,13 @@ def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
     return rule
 
 
+def directions(A: Float[np.ndarray, "residual error"]):
+    """(left singular vectors, squared singular values) of ``A``, without those of :data:`NEGLIGIBLE_VARIANCE`."""
+    variance, V = scipy.linalg.eigh(A.T @ A)
+    told = variance > NEGLIGIBLE_VARIANCE
+    return A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
+
+
 class StepJacobian:
     """The Jacobian J (residual, parameter) of one load step at one material field.
 
@@ -55,6 +62,7 @@ class StepJacobian:
 
     Attributes:
         factor: factors of the free tangent stiffness.
+        variance: what errors of the prescribed edges add to the variance of the residuals, in each direction of theirs.
         observed, parameters: how many displacements are observed, and how many parameters there are.
 
     Args:
@@ -80,9 +88,7 @@ class StepJacobian:
         du = errors.copy()
         du[free] = -self.factor.solve(rows[:, prescribed] @ errors[prescribed])
         A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
-        variance, V = scipy.linalg.eigh(A.T @ A)
-        told = variance > NEGLIGIBLE_VARIANCE
-        self._shared, self._variance = A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
+        self._shared, self.variance = directions(A)
 
     def displacement(self, change):
         """First-order change of the free displacements."""
@@ -94,7 +100,7 @@ class StepJacobian:
 
     def whiten(self, residual):
         """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
-        return self._without(1.0 - 1.0 / np.sqrt(1.0 + self._variance), residual)
+        return self._without(1.0 - 1.0 / np.sqrt(1.0 + self.variance), residual)
 
     def _adjoint(self, residual):
         """J^T residual, not whitened."""
@@ -108,49 +114,83 @@ class StepJacobian:
     def curvature(self, change):
         """J^T J change."""
         residual = np.concatenate([self._observe @ self.displacement(change), self._force_rows @ change])
-        return self._adjoint(self._without(self._variance / (1.0 + self._variance), residual))
+        return self._adjoint(self._without(self.variance / (1.0 + self.variance), residual))
 
 
 class Jacobian:
     """The Jacobian J (residual, parameter) of all load steps.
 
-    Residuals are the observed displacements step by step, then the forces.
+    Residuals are the observed displacements step by step, then the forces. Errors that forces of several steps share,
+    the load cell's, are treated as those of prescribed edges are in each step: once the latter are taken out, the
+    covariance is I + A A^T with A the derivative by the shared errors.
 
     Args:
         force_steps: the load step of every force.
+        force_errors: errors that forces share, over their uncertainties (force, independent standard normal number).
         sigma: the uncertainty of displacements that residuals are over.
         shares: weight of every load step in :meth:`nearly_curvature`.
     """
 
-    def __init__(self, steps: list[StepJacobian], force_steps: list[int], sigma: float, shares):
-        self.steps, self.sigma, self._shares = steps, sigma, shares
+    def __init__(self, steps: list[StepJacobian], force_steps: list[int], force_errors, sigma: float, shares):
+        self.steps, self.sigma, self._shares = steps, sigma, np.asarray(shares)
         of_step = np.concatenate(
             [*(np.full(step.observed, k) for k, step in enumerate(steps)), np.array(force_steps, int)]
         )
         self._rows = [np.flatnonzero(of_step == k) for k in range(len(steps))]
         #: (residuals, parameters).
         self.shape = len(of_step), steps[0].parameters
+        self._of_step = of_step
+        A = np.concatenate([np.zeros((self.shape[0] - len(force_steps), force_errors.shape[1])), force_errors])
+        self._by_errors = self._white_by_step(A)
+        self._shared, self._variance = directions(self._by_errors)
+        self._roots = [self._shared_curvature(np.ones(len(steps))), self._shared_curvature(self._shares)]
+
+    def _white_by_step(self, residual):
+        white = np.empty_like(residual)
+        for step, rows in zip(self.steps, self._rows, strict=True):
+            white[rows] = step.whiten(residual[rows])
+        return white
+
+    def _shared_curvature(self, shares):
+        """Root (parameter, error) of what errors that forces share take from the curvature of the weighted steps."""
+        weights = np.sqrt(shares)
+        shared, variance = directions(weights[self._of_step][:, None] * self._by_errors)
+        taken = shared * np.sqrt(variance / (1.0 + variance))
+        steps = zip(self.steps, self._rows, weights, strict=True)
+        return sum(weight * step.adjoint(taken[rows]) for step, rows, weight in steps)
+
+    @property
+    def log_determinant(self) -> float:
+        """Logarithm of the determinant of the residuals' covariance, beyond that of independent ones."""
+        variances = [self._variance, *(step.variance for step in self.steps)]
+        return float(sum(np.log1p(variance).sum() for variance in variances))
 
     def displacement(self, change) -> list[np.ndarray]:
         """First-order change of the free displacements of every step."""
         return [step.displacement(change) for step in self.steps]
 
     def whiten(self, residual: Float[np.ndarray, " residual"]):
-        """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
-        white = np.empty_like(residual)
-        for step, rows in zip(self.steps, self._rows, strict=True):
-            white[rows] = step.whiten(residual[rows])
-        return white
+        """Residuals that share errors of prescribed edges and of load cells, as independent ones of unit variance."""
+        return self._independent(self._white_by_step(residual))
+
+    def _independent(self, residual):
+        """``residual`` without a share of it in each of the directions that errors of load cells have."""
+        share = 1.0 - 1.0 / np.sqrt(1.0 + self._variance)
+        return residual - self._shared @ (share * (self._shared.T @ residual))
 
     def adjoint(self, residual: Float[np.ndarray, " residual"]):
         """J^T residual."""
+        residual = self._independent(residual)
         return sum(step.adjoint(residual[rows]) for step, rows in zip(self.steps, self._rows, strict=True))
 
     def curvature(self, change):
         """J^T J change, step by step: the factors of one serve twice while they are at hand."""
-        return sum(step.curvature(change) for step in self.steps)
+        return sum(step.curvature(change) for step in self.steps) - self._taken(0, change)
+
+    def _taken(self, which: int, change):
+        return self._roots[which] @ (self._roots[which].T @ change)
 
     def nearly_curvature(self, change):
         """:meth:`curvature` by the steps that have a share: a fraction of the time, and as good for a step downhill."""
         used = zip(self._shares, self.steps, strict=True)
-        return sum(share * step.curvature(change) for share, step in used if share > 0.0)
+        return sum(share * step.curvature(change) for share, step in used if share > 0.0) - self._taken(1, change)

@@ -30,7 +30,7 @@ from hypernode.verdict import Ending
 
 def likeliest(*tried: Estimate) -> Estimate:
     """The most probable of some estimates; the first of several alike."""
-    return min(tried, key=lambda each: each.cost)
+    return min(tried, key=lambda each: each.unlikelihood)
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:

@@ -15,6 +15,8 @@ from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, units_of
 
 #: Frames in a second of an export, whose frames are the load steps: the clock counts them.
 FRAME_RATE = 1.0
+#: What a specimen and a measurement say alike of the errors of forces.
+FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 #: Share of a side by which steps of an equidistant grid may differ: the rounding of its lines.
 EQUIDISTANT = 1e-9
 
@@ -63,7 +65,7 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
         "outline": attributes["outline"],
         "edge_ring": 0,
         "correlation_window": float(attributes["correlation_window"]),
-        "force_uncertainty": float(attributes["force_uncertainty"]),
+        **{key: float(attributes[key]) for key in FORCE_ERRORS},
     }
     entries = [
         {

@@ -7,6 +7,12 @@ from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 from hypernode.synthetic.geometry import make_shape
 
+#: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
+#: of known noise scatter by as much.
+NOISE_UNCERTAINTY = 0.05
+#: What a test of a specimen says of the errors of its forces.
+FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
+
 
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
     """Import a specimen: mm, N and MPa, y upward.
@@ -28,7 +34,9 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "outline": specimen.outline,
             "thickness": specimen.thickness,
             "noise_sources": [each.noise.source for each in sheet.cases],
-            "force_uncertainty": max(each.test.force_uncertainty for each in sheet.cases),
+            "noise_uncertainty": NOISE_UNCERTAINTY,
+            "outliers": sheet.outliers,
+            **{key: max(getattr(each.test, key) for each in sheet.cases) for key in FORCE_ERRORS},
             "correlation_window": specimen.correlation_window,
             "frames": [each.numbers.tolist() for each in sheet.cases],
             "elastic_terms": [list(each.relaxation.terms) for each in sheet.cases],

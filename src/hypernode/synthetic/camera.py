@@ -1,10 +1,10 @@
-"""What cameras would record of a synthetic test: their own grid, the average over a window, noise."""
+"""What cameras would see of a synthetic test: their own grid, the average over a window."""
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import uniform_filter1d
 
-from hypernode.config.synthetic import Camera, Noise
+from hypernode.config.synthetic import Camera
 from hypernode.fem.mesh import Mesh, rectilinear
 
 #: Points a measured cell at which the displacement is averaged.
@@ -43,21 +43,3 @@ def _averaged(values, width: int, axis: int):
     padded = np.pad(values, padding, mode="reflect", reflect_type="odd")
     cut = [slice(half, -half) if k == axis else slice(None) for k in range(2)]
     return uniform_filter1d(padded, 2 * half + 1, axis=axis)[tuple(cut)]
-
-
-def with_noise(u, noise: Noise | None) -> np.ndarray:
-    """Repeats of a measurement (repeat, ...), each with normally distributed noise of its own.
-
-    Every repeat has its own stream, seeded by (seed, repeat), so that adding a repeat leaves the others as they were.
-
-    Args:
-        u: displacement without noise.
-        noise: level, repeats and seed; one exact measurement without it.
-    """
-    repeats = noise.repeats if noise else 1
-    measured = np.repeat(u[None], repeats, axis=0)
-    if noise and noise.sigma > 0:
-        for repeat in range(repeats):
-            rng = np.random.default_rng(np.random.SeedSequence([noise.seed, repeat]))
-            measured[repeat] += rng.normal(0.0, noise.sigma, u.shape)
-    return measured

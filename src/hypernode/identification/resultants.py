@@ -1,0 +1,83 @@
+"""What a test says of the forces on a sheet's edges, and the errors that they share."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.data.measurement import (
+    force_gain_uncertainty,
+    force_offset_uncertainty,
+    is_cut_out,
+    stress_resultants,
+)
+from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh
+from hypernode.identification.settings import Strategy
+
+
+@dataclass(frozen=True)
+class EdgeForce:
+    """A measured resultant.
+
+    Attributes:
+        step: load step.
+        direction: indicator of its degrees of freedom.
+        value, sigma: force, and its uncertainty that no other force shares.
+        channel: load case, component and normal of what a load cell measured along one axis in one test.
+        gain, offset: uncertainty of ``value`` by the gain and by the zero of that load cell, which all of its forces
+            share.
+    """
+
+    step: int
+    direction: np.ndarray
+    value: float
+    sigma: float
+    channel: tuple[int, int, int]
+    gain: float
+    offset: float
+
+
+def shared_errors(forces: list[EdgeForce]) -> Float[np.ndarray, "force error"]:
+    """Errors of forces by independent standard normal numbers: the gain and the zero of every channel."""
+    channels = sorted({force.channel for force in forces})
+    errors = np.zeros((len(forces), 2 * len(channels)))
+    for row, force in zip(errors, forces, strict=True):
+        column = 2 * channels.index(force.channel)
+        row[column : column + 2] = force.gain, force.offset
+    return errors[:, errors.any(axis=0)]
+
+
+def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) -> list[EdgeForce]:
+    """Measured resultants, one a step and component; their overall balance gives the other edge.
+
+    Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
+    both resultants say something.
+
+    Args:
+        mesh: on whose nodes they act.
+        relative: uncertainty of a force over its size.
+    """
+    cut, force = is_cut_out(measurement), stress_resultants(measurement)
+    gains, offsets = force_gain_uncertainty(measurement), force_offset_uncertainty(measurement)
+    load_case = measurement["load_case"].values
+    constrained = measurement["edge_constrained"].values > 0
+    largest = np.nan_to_num(np.abs(force)).max(axis=(1, 2))
+    forces = []
+    for step in range(len(force)):
+        for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):
+            for edge in edges:
+                e = EDGE_NAMES.index(edge)
+                if constrained[step, e, i] and np.isfinite(force[step, e, i]):
+                    direction = np.zeros(mesh.nodes.shape)
+                    direction[mesh.on_edge(edge), i] = 1.0
+                    sigma = relative * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
+                    axis, outward = EDGES[edge]
+                    of_channel = force[load_case == load_case[step]][:, [2 * axis, 2 * axis + 1], i]
+                    offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))
+                    value, channel = float(force[step, e, i]), (int(load_case[step]), i, axis)
+                    shared = gains * value, offset
+                    forces.append(EdgeForce(step, direction.ravel(), value, sigma, channel, *shared))
+                    if not cut:
+                        break
+    return forces
