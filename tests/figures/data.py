@@ -84,6 +84,19 @@ def evaluation(level: str = "pass", **attributes) -> xr.Dataset:
     )
 
 
+def detected(contrast: int, level: str = "pass") -> xr.Dataset:
+    """A run of a sheet whose right half is this many times 10 % stiffer, found from 15 % on."""
+    stiffness = 1.0 + 0.1 * contrast * _right_half()
+    P = stiffness[:, None, None] * np.eye(2)
+    said = "distinguishable" if contrast > 1 else "none distinguishable"
+    summary = {"inclusion": said, "detectable_contrast": 0.15}
+    truth = {
+        "P_true": (("mode", "stretch_index", "cell", "i", "J"), P[None, None]),
+        "phase": ("cell", _right_half() * 1),
+    }
+    return evaluation(level).assign(truth).assign_attrs(summary=json.dumps(summary))
+
+
 def without_inclusion(judged: xr.Dataset) -> xr.Dataset:
     """The same run where no inclusion was distinguishable."""
     summary = {"inclusion": "none distinguishable", "detectable_contrast": 0.0345}
@@ -129,6 +142,8 @@ def figure_input(kind: str, level: str) -> tuple[dict, dict]:
         settings = {"kind": kind, "runs": runs, "stretches": [1.05, 1.1], "load": "equibiaxial", "show": "stress"}
         data = {"run0": material(), "run1": material(1.5), "truth0": material(), "truth1": material()}
         return data | {"evaluation0": evaluation("pass"), "evaluation1": evaluation(level)}, settings
+    if kind == "detection":
+        return {f"evaluation{k}": detected(k, level) for k in range(4)}, {"kind": kind, "runs": ["*"]}
     more = {
         "identification": {"truth": material()},
         "anisotropy": {"truth": material(), "material": material(1.2)},

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 
 from hypernode.figures.comparison import ComparisonError
+from hypernode.figures.detection import DetectionError, wilson
 from hypernode.figures.render import LAYOUTS, compose
 from hypernode.figures.style import RC, colour_bar, draw_field, save, shared_norm, unit_label
 from tests.figures.data import evaluation, figure_input, references, without_inclusion
@@ -50,6 +51,21 @@ def test_every_axis_and_colour_bar_has_a_unit(kind):
     # Rows of a comparison are named, and the error below a panel is a sentence.
     labels = {label for label in labels if not label.startswith(("truth", "first", "second", "error"))}
     assert labels and all(re.search(r" \[[^]]+\]$", label) for label in labels)
+
+
+def test_a_detection_curve_counts_the_runs_of_each_contrast_and_bounds_their_share():
+    data, settings = figure_input("detection", "pass")
+    data["evaluation4"] = data["evaluation3"]
+    figure = compose(data, settings)
+    found = {round(float(line.get_xdata()[0])): line.get_ydata()[0] for line in panel(figure, "a").lines[1::2]}
+    assert found == {0: 0.0, 10: 0.0, 20: 100.0, 30: 100.0}
+    assert [text.get_text() for text in panel(figure, "a").texts] == ["0/1", "0/1", "1/1", "2/2"]
+    # Wilson's interval of 0 of 20 and of 10 of 20 runs.
+    assert wilson(0, 20) == pytest.approx((0.0, 0.161), abs=1e-3)
+    assert wilson(10, 20) == pytest.approx((0.299, 0.701), abs=1e-3)
+    unknown = {"evaluation0": data["evaluation0"].assign_attrs(summary=json.dumps({"inclusion": "not judged"}))}
+    with pytest.raises(DetectionError, match="posterior_samples"):
+        compose(unknown, settings)
 
 
 def test_the_panels_show_the_numbers_of_the_file():

@@ -12,7 +12,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
-from hypernode.figures.render import LAYOUTS, compose
+from hypernode.figures.render import LAYOUTS, SEVERAL, compose
 from hypernode.figures.style import RC
 from hypernode.figures.trust import COLOURS, LINES, run_verdict, write_verdict
 from hypernode.tables.verdicts import VerdictError
@@ -79,7 +79,7 @@ def test_the_line_is_the_largest_text_and_stands_above_all_others(kind):
 
 
 @pytest.mark.parametrize("level", COLOURS)
-@pytest.mark.parametrize("kind", [kind for kind in LAYOUTS if kind != "comparison"])
+@pytest.mark.parametrize("kind", [kind for kind in LAYOUTS if kind not in SEVERAL])
 def test_the_line_begins_with_the_level_and_gives_the_reason(kind, level):
     text = drawn(kind, level)._suptitle.get_text().replace("\n", " ")
     assert text.startswith(f"{level}: {SENTENCES[level]}")

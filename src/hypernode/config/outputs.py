@@ -49,7 +49,15 @@ class Comparison(Section):
     """Whether the stress is drawn or its error against the truth."""
 
 
-Figure = Annotated[Union[RunFigure, Comparison], Field(discriminator="kind")]
+class Detection(Section):
+    """A figure of many runs of known sheets: which contrasts were told from noise."""
+
+    kind: Literal["detection"]
+    runs: list[str] = Field(min_length=1)
+    """Patterns of case/method, as file names are matched."""
+
+
+Figure = Annotated[Union[RunFigure, Comparison, Detection], Field(discriminator="kind")]
 
 
 class RunTable(Section):

@@ -32,7 +32,7 @@ def unknown_references(config: Config, methods: list[str]) -> Iterator[Reference
     for name, case in config.cases.items():
         yield from _of_case(config, name, case, methods)
     for name, figure in config.figures.items():
-        shown = [(("figures", name), figure)]
+        shown = [] if figure.kind == "detection" else [(("figures", name), figure)]
         if figure.kind == "comparison":
             shown = [(("figures", name, "runs", index), run) for index, run in enumerate(figure.runs)]
         for at, run in shown:

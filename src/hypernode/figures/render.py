@@ -4,19 +4,23 @@ from collections.abc import Mapping
 
 import matplotlib.pyplot as plt
 
-from hypernode.figures import anisotropy, comparison, identification, overview, references
+from hypernode.figures import anisotropy, comparison, detection, identification, overview, references
 from hypernode.figures.style import RC, save
-from hypernode.figures.trust import rows_verdict, run_verdict, write_verdict
+from hypernode.figures.trust import run_verdict, runs_verdict, write_verdict
 from hypernode.storage.netcdf import read
 
 #: Kind of figure -> module with its function ``draw(data, settings)``.
 LAYOUTS = {
     "anisotropy": anisotropy,
     "comparison": comparison,
+    "detection": detection,
     "identification": identification,
     "overview": overview,
     "references": references,
 }
+
+#: Kinds of figures of several runs -> what they show of each.
+SEVERAL = {"comparison": "rows", "detection": "runs in this figure"}
 
 
 def compose(data: Mapping, settings: dict):
@@ -28,9 +32,9 @@ def compose(data: Mapping, settings: dict):
     """
     with plt.rc_context(RC):
         figure = LAYOUTS[settings["kind"]].draw(data, settings)
-        if settings["kind"] == "comparison":
-            evaluations = [data[f"evaluation{index}"] for index in range(len(settings["runs"]))]
-            write_verdict(figure, *rows_verdict(evaluations))
+        if settings["kind"] in SEVERAL:
+            evaluations = [file for name, file in data.items() if name.startswith("evaluation")]
+            write_verdict(figure, *runs_verdict(evaluations, SEVERAL[settings["kind"]]))
         else:
             write_verdict(figure, *run_verdict(data["evaluation"]))
     return figure

@@ -27,11 +27,16 @@ def run_verdict(evaluation) -> tuple[Level, list[str]]:
     return verdict.overall, verdict.sentences
 
 
-def rows_verdict(evaluations) -> tuple[Level, list[str]]:
-    """(worst level, how many rows have which) of several runs; nothing to say where all pass."""
+def runs_verdict(evaluations, shown: str) -> tuple[Level, list[str]]:
+    """(worst level, how many have which) of several runs; nothing to say where all pass.
+
+    Args:
+        evaluations: opened, of all runs.
+        shown: what a figure shows of each: ``rows``.
+    """
     levels = [overall(evaluation) for evaluation in evaluations]
     worst = max(levels, key=lambda level: level.rank)
-    return worst, [f"{count(levels)}, of {len(levels)} rows."] if worst in COLOURS else []
+    return worst, [f"{count(levels)}, of {len(levels)} {shown}."] if worst in COLOURS else []
 
 
 def write_verdict(figure, level: Level, sentences: list[str]) -> None:

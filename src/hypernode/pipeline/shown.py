@@ -14,7 +14,9 @@ def _has_references(config: Config, case: str, present) -> bool:
 
 
 def shown_runs(figure: Figure) -> list:
-    """The runs that a figure shows, each with a ``case`` and a ``method``."""
+    """The runs that a figure names one by one, each with a ``case`` and a ``method``."""
+    if figure.kind == "detection":
+        return []
     return figure.runs if figure.kind == "comparison" else [figure]
 
 
@@ -24,13 +26,23 @@ def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
         name: figure
         for name, figure in config.figures.items()
         if all(run.case in cases for run in shown_runs(figure))
+        and (figure.kind != "detection" or matching_runs(config, figure.runs, cases))
         and (figure.kind != "references" or _has_references(config, figure.case, cases))
     }
+
+
+def matching_runs(config: Config, patterns: list[str], cases) -> list[tuple[str, str]]:
+    """(case, method) of every run of some cases that fits one of the patterns."""
+    runs = [(case, method) for case in cases for method in config.cases[case].methods]
+    return [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in patterns)]
 
 
 def figure_inputs(config: Config, name: str) -> dict[str, str]:
     """Named inputs of a figure."""
     figure = config.figures[name]
+    if figure.kind == "detection":
+        runs = [run for run in matching_runs(config, figure.runs, config.cases) if not config.cases[run[0]].specimen]
+        return {f"evaluation{k}": f"results/{'/'.join(run)}/evaluation.nc" for k, run in enumerate(runs)}
     if figure.kind == "comparison":
         files = {f"run{k}": stage_file(config, r.case, r.method, r.stage) for k, r in enumerate(figure.runs)}
         for index, run in enumerate(figure.runs):
@@ -58,8 +70,7 @@ def table_inputs(config: Config, name: str, cases: list[str]) -> dict[str, list[
     table = config.tables[name]
     if table.kind == "settings":
         return {}
-    runs = [(case, method) for case in cases for method in config.cases[case].methods]
-    chosen = [run for run in runs if any(fnmatch("/".join(run), pattern) for pattern in table.runs)]
+    chosen = matching_runs(config, table.runs, cases)
     # How a run ended stands in its evaluation, whatever the table shows.
     stages = ["evaluation"]
     if table.kind == "validation":

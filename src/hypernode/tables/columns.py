@@ -78,6 +78,7 @@ _RUNS = {
     "stress error": _error("stress_error"),
     "all modes": _error("stress_error_all_modes"),
     "off interface": _error("stress_error_off_interface"),
+    "without ten cells": _error("stress_error_without_ten_cells"),
     "against cell means": _error("stress_error_cell_mean"),
     "contrast error": _error("contrast_error"),
     "misfit of u": Column("displacement_misfit", "number", "noise", judged_at="identified"),
