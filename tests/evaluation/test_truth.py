@@ -11,7 +11,7 @@ from hypernode.evaluation.truth import (
     cell_means,
     interface_band,
     observed_mode,
-    score_constrained,
+    score_networks,
     score_stress,
 )
 from hypernode.material.files import material_of
@@ -61,10 +61,14 @@ def test_an_error_of_one_phase_is_that_phase_s_alone():
     assert judged.summary["correlation"] == pytest.approx(1.0, rel=1e-12)
 
 
-def test_the_error_is_told_apart_into_that_of_the_field_and_that_of_the_networks():
-    true = np.ones((2, len(MESH.cells), 2, 2))
-    summary = score_constrained(1.1 * 1.02 * true, 1.1 * true, true, MESH.areas).summary
-    assert summary == {"stress_error_constrained": pytest.approx(0.1), "network_error": pytest.approx(0.02)}
+def test_networks_are_compared_with_their_field_all_together_and_by_the_worst_cell():
+    field = 1.1 * np.ones((2, len(MESH.cells), 2, 2))
+    assert score_networks(1.02 * field, field, MESH.areas).summary["network_error"] == pytest.approx(0.02)
+    one = field.copy()
+    one[:, 5] *= 3.0
+    size = np.sqrt(np.einsum("scij,c->", field**2, MESH.areas / MESH.areas.sum()))
+    worst = score_networks(one, field, MESH.areas).summary["network_error_worst_cell"]
+    assert worst == pytest.approx(2.0 * np.linalg.norm(field[:, 5]) / size)
 
 
 def test_two_standard_deviations_cover_the_gaussian_share_of_the_truth():

@@ -21,6 +21,7 @@ GOOD = {
     "displacement_misfit": 1.0,
     "edge_force_error_identified": 0.005,
     "equilibrium_gap_identified": 0.01,
+    "network_error": 0.001,
     "spread": 0.02,
     "inclusion": "distinguishable",
     "contrast_seen": 0.2,

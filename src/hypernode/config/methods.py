@@ -33,6 +33,16 @@ class Optimiser(Section):
     """Points drawn anew in each iteration; left out, what the stage is used to."""
 
 
+class Pretraining(Optimiser):
+    """The stage in which the hyper-network learns a target everywhere."""
+
+    tolerance: Positive = 0.006
+    """Relative error of the stress against that of the constrained field beyond which the network is trained again:
+    once from where it is, then from other random weights. The best is kept."""
+    rounds: Count = 3
+    """How often it is trained at most."""
+
+
 class Interpolant(Frequencies, Optimiser):
     """The network (X, t) -> F."""
 
@@ -147,7 +157,7 @@ class Method(Section):
     """First stage: one material for the whole sheet."""
     initialisation: Optimiser | None = None
     """Second stage: the hyper-network learns that material everywhere."""
-    pretraining: Optimiser | None = None
+    pretraining: Pretraining | None = None
     """Third stage: it learns the stress of the constrained field, or a uniform one."""
     training: Training | None = None
     """Last stage: equilibrium and edge forces."""

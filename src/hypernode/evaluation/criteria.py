@@ -44,6 +44,9 @@ class Settings:
     #: What no material of the basis follows, over the forces: as much as a load cell and the scatter between frames
     #: make, and a share of the force that would fail by itself.
     law: Threshold = Threshold(0.015, 0.10)
+    #: By how much networks may miss the field that they learnt: they do by a thousandth where they are trained well,
+    #: and what they miss is theirs alone.
+    networks: Threshold = Threshold(0.01, 0.10)
     #: The true stress is in equilibrium, so that the identified one is wrong by the gap at least: several times
     #: what finite elements leave of an exact field, and a fifth of the stress.
     equilibrium: Threshold = Threshold(0.05, 0.20)
@@ -77,6 +80,7 @@ def judge_run(
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             _law(constrained, settings),
+            _networks(summary, settings),
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
             _spread(summary, settings),
@@ -160,6 +164,14 @@ def _law(constrained, settings: Settings) -> Criterion:
     # The maximum of Python's own loses what is not a number.
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
     return _limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
+
+
+def _networks(summary, settings: Settings) -> Criterion:
+    name = "networks"
+    if "network_error" not in summary:
+        return _not_judged(name, "The method has no equilibrium field that networks learn.")
+    words = "Networks miss the stress of the equilibrium field by"
+    return _limited(name, words, summary["network_error"], settings.networks)
 
 
 def _equilibrium(summary, measurement, settings: Settings) -> Criterion:

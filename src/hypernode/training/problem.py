@@ -28,6 +28,8 @@ MODE_SIZES = np.array([0.08, 0.5, 1.0])
 #: Factor on the random kernel of a new network's last layer: small, so that the start is nearly homogeneous,
 #: and not zero, so that gradients reach the layers below.
 LAST_KERNEL = 0.01
+#: Between the seeds of a network and of those that are tried in its place.
+SEEDS_APART = 1000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,9 +109,9 @@ class InverseProblem:
         """(settings, inputs beside the position, outputs) of the hyper-network."""
         return Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size
 
-    def _new_network(self) -> FourierMLP:
+    def _new_network(self, seed: int) -> FourierMLP:
         """A hyper-network with random weights that gives nearly the homogenised parameters everywhere."""
-        network = make_network(*self._architecture, self.method.seed + 1)
+        network = make_network(*self._architecture, seed)
         last = network.layers[-1]
         last.bias[...] = self.centre
         last.kernel[...] = LAST_KERNEL * last.kernel[...]
@@ -119,7 +121,16 @@ class InverseProblem:
         """(params, params -> network) of what an earlier stage left, ``previous``, or else of a new one."""
         if "previous" in self.inputs:
             return split_trainable(from_arrays(*self._architecture, self.inputs["previous"], "hypernetwork"))
-        return split_trainable(self._new_network())
+        return self.other_trainable(0)
+
+    def other_trainable(self, number: int):
+        """(params, params -> network) of a new one; each number has random weights of its own."""
+        return split_trainable(self._new_network(self.method.seed + 1 + SEEDS_APART * number))
+
+    @property
+    def has_field(self) -> bool:
+        """Whether there is a constrained field to learn."""
+        return "constrained" in self.inputs
 
     def target(self) -> Target:
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.
@@ -130,7 +141,7 @@ class InverseProblem:
         coarse steps of a neural ODE may leave a spike that stops Newton's method.
         """
         scale = self.loading.scale[:, None]
-        if "constrained" not in self.inputs:
+        if not self.has_field:
             P = np.moveaxis(self.loading.P_average, 0, -1)[..., None] / scale
             P = np.broadcast_to(P, self.F.shape)
             return Target(self.F, jnp.asarray(P, jnp.float32), jnp.asarray(self.loading.target_weight), self.scale)

@@ -32,6 +32,11 @@ class Target:
         P = node_stress(node, self.F, node_params) / self.scale[:, None]
         return jnp.mean(self.known * (P - self.P) ** 2)
 
+    def relative_error(self, node: NodeMaterial, node_params) -> float:
+        """Relative L2 error of the stress of the cells with the given parameters, every case over its unit."""
+        P = node_stress(node, self.F, node_params) / self.scale[:, None]
+        return float(jnp.sqrt(jnp.sum(self.known * (P - self.P) ** 2) / jnp.sum(self.known * self.P**2)))
+
     def ordered(self, cells: Int[np.ndarray, " cell"]) -> "Target":
         """The target of these cells, in their order."""
         return dataclasses.replace(self, F=self.F[..., cells], P=self.P[..., cells])
