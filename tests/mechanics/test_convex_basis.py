@@ -12,7 +12,7 @@ from hypernode.mechanics.parameters import BASIS_TERMS
 from tests.sheets import SCALE
 
 #: All terms of an incompressible sheet, and of a compressible one.
-BASES = [tuple(term for term in BASIS_TERMS if term != other) for other in ("J", "I2")]
+BASES = [tuple(term for term in BASIS_TERMS if term not in others) for others in (("J",), ("I2", "ogden"))]
 
 
 def stress_of(energy, F, params, angle=0.0):
@@ -32,6 +32,22 @@ def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
     k1 = 0.5 * (strength - 0.02) / SCALE / (1.0 - 2.0 * kappa) ** 2
     wanted = stress_of(goh, F, {"C10": 0.5, "k1": k1, "k2": 1e-9, "kappa": kappa}, angle)
     np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
+
+
+@pytest.mark.parametrize(("name", "exponent"), [("log1p_ogden_6", 6.0), ("log1p_ogden_minus_4", -4.0)])
+def test_the_basis_contains_powers_of_the_principal_stretches_as_stiff_as_the_others_for_small_strains(name, exponent):
+    """c (4 / a^2) sum l^a beside c (I1 - 3): both have the shear modulus 2 c."""
+    basis, F = ConvexBasis(("ogden",), SCALE), np.array([[1.15, 0.08], [-0.03, 1.05]])
+    params = {key: 0.0 for key in basis.names} | {name: np.log(2.0)}
+
+    def energy(F):
+        squared = jax.numpy.linalg.eigvalsh(F.T @ F)
+        stretches = jax.numpy.concatenate([squared, 1.0 / jax.numpy.prod(squared, keepdims=True)])
+        return jax.numpy.sum(stretches) + 4.0 / exponent**2 * jax.numpy.sum(stretches ** (exponent / 2.0))
+
+    # What vanishes is rounded to a hundredth of a term.
+    found = basis.stress(F, np.array(list(params.values())))
+    np.testing.assert_allclose(found, jax.grad(energy)(F), rtol=0.02)
 
 
 @pytest.mark.parametrize("k2", [0.5, 20.0])

@@ -99,6 +99,11 @@ def noise_uncertainty(measurement: xr.Dataset) -> float:
     return float(measurement.attrs["noise_uncertainty"])
 
 
+def is_on_its_own_grid(measurement: xr.Dataset) -> bool:
+    """Whether displacements were computed by finite elements on the measured grid: no interface then cuts a cell."""
+    return measurement.attrs["grid"] == "computed"
+
+
 def is_cut_out(measurement: xr.Dataset) -> bool:
     """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
     return measurement.attrs["outline"] == "cut"

@@ -12,6 +12,7 @@ from hypernode.data.lost import filled
 from hypernode.data.measurement import (
     displacement_noise,
     is_cut_out,
+    is_on_its_own_grid,
     measured_displacement,
     mesh_of,
     noise_of_steps,
@@ -66,6 +67,8 @@ class Observations:
             where points or steps share them, so that each is weighed as a larger one.
         noisy: whether noise is the larger of the two.
         noise_uncertainty: relative uncertainty of that noise.
+        own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
+            a cell.
         window: side of the camera's correlation window, 0 without one.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
@@ -81,6 +84,7 @@ class Observations:
     scatter: float
     noisy: bool
     noise_uncertainty: float
+    own_grid: bool
     window: float
     cut: bool
     largest_stretch: float
@@ -94,7 +98,7 @@ class Observations:
         return np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area)
 
 
-def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
+def observe(measurement, subcells: int, strategy: Strategy, floor: float | None = None) -> Observations:
     """The observations of an opened measurement.
 
     Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
@@ -102,16 +106,16 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
 
     Args:
         subcells: rows and columns into which every measured cell is divided.
+        floor: error of the description by finite elements, where it is known from what they left of a misfit.
     """
     grid = mesh_of(measurement)
     refinement = refine(grid, subcells)
     measured = measured_displacement(measurement)
     u = filled(grid, measured)
     noise, window = displacement_noise(measurement), float(measurement.attrs["correlation_window"])
-    floor = strategy.same_grid_floor
-    if window > 0.0:
-        floor = strategy.subcells_floor if subcells > 1 else strategy.window_floor
-    floor *= np.abs(u).max()
+    own_grid = is_on_its_own_grid(measurement)
+    if floor is None:
+        floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     cut = is_cut_out(measurement)
     prescribed = measurement["edge_constrained"].values > 0
     if cut:
@@ -119,10 +123,13 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
     seen = window_average(refinement.mesh, window)[at_points.ravel()]
     levels = noise_of_steps(measurement)
-    sigma, noisy = float(np.hypot(noise, floor)), bool(noise >= floor)
-    believed = np.hypot(levels, floor)
+    noisy = bool(noise >= floor)
+    # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them.
+    beside = floor if own_grid or not noisy else 0.0
+    sigma = float(np.hypot(noise, beside))
+    believed = np.hypot(levels, beside)
     relative = believed / sigma
-    scatter = float(np.sqrt(np.mean((np.hypot(scatter_of_steps(measurement), floor) / believed) ** 2)))
+    scatter = float(np.sqrt(np.mean((np.hypot(scatter_of_steps(measurement), beside) / believed) ** 2)))
     each = zip(measured, prescribed, levels, relative, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
     stretch = float(measurement["stretch"].values.max())
@@ -137,6 +144,7 @@ def observe(measurement, subcells: int, strategy: Strategy) -> Observations:
         scatter,
         noisy,
         noise_uncertainty(measurement),
+        own_grid,
         window,
         cut,
         stretch,

@@ -86,7 +86,7 @@ class FieldProblem:
     @property
     def blurred(self) -> bool:
         """Whether interfaces may lie anywhere, so that cells that they cut are in between, and noise hides nothing."""
-        return not self.noisy and self.observations.window > 0.0
+        return not self.noisy and not self.observations.own_grid
 
     @property
     def observed(self) -> int:
@@ -144,15 +144,22 @@ class FieldProblem:
         return Jacobian(steps, [force.step for force in self.forces], errors, sigma, self._shares)
 
 
-def field_problem(measurement, settings: Constrained, subcells: int = 1, strategy: Strategy = STRATEGY) -> FieldProblem:
+def field_problem(
+    measurement,
+    settings: Constrained,
+    subcells: int = 1,
+    strategy: Strategy = STRATEGY,
+    floor: float | None = None,
+) -> FieldProblem:
     """The problem of a measurement: its observations, the homogeneous fit, and forces as certain as the load cell is.
 
     Args:
         measurement: an opened measurement.
         settings: configuration of the stage.
         subcells: rows and columns into which every measured cell is divided.
+        floor: error of the description by finite elements; see :func:`observe`.
     """
-    observations = observe(measurement, subcells, strategy)
+    observations = observe(measurement, subcells, strategy, floor)
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
     mesh = observations.refinement.mesh

@@ -48,11 +48,12 @@ class Strategy:
     """Constants of the identification of a constrained field."""
 
     # Data. Displacements are never trusted beyond these shares of the largest one, noise apart: what finite elements
-    # on the measured grid make of a field that was computed on that same grid, of one that was observed through a
-    # correlation window, whose interfaces lie anywhere, and of the latter where cells are divided into subcells.
+    # on the measured grid make of a field that was computed on that same grid, of one that was observed, whose
+    # interfaces lie anywhere, and of the latter where cells are divided into subcells.
     same_grid_floor: float = 3.8e-5
-    window_floor: float = 1.3e-3
-    subcells_floor: float = 2e-4
+    #: Of fields on a grid of their own, times the number of cells along a side.
+    cut_cells_floor: float = 0.065
+    subcells_floor: float = 0.01
     #: Misfit of the forces of one load case by the closest homogeneous material beyond which no sheet can have given
     #: them. Ogden, Gent and Fung sheets are missed by 7 % at most, heterogeneous ones by 3 %; a record that is
     #: constant by a quarter, one that is reversed, in another order or tenfold from a step on by more than a third.
@@ -153,12 +154,28 @@ class Strategy:
     subcells: int = 2
     most_subcells: int = 16000
     subcells_iterations: int = 12
+    #: Misfit over the error of the description below which that error was assumed too large, and how often it is then
+    #: taken from the misfit.
+    overestimated: float = 0.7
+    reestimates: int = 3
 
     #: What a jump of each further parameter counts, against one of the logarithm of the stiffness.
     jump_shares: dict[str, float] = field(
         default_factory=lambda: {"logit_dispersion": 0.3, "fibre_x": 4.0, "fibre_y": 4.0}
     )
     default_jump_share: float = 0.5
+
+    def description_error(self, own_grid: bool, subcells: int, cells: int) -> float:
+        """What finite elements miss of displacements, over the largest of them.
+
+        Args:
+            own_grid: whether the displacements were computed on the measured grid.
+            subcells: rows and columns into which a cell is divided.
+            cells: how many there are.
+        """
+        if own_grid:
+            return self.same_grid_floor
+        return (self.subcells_floor if subcells > 1 else self.cut_cells_floor) / cells**0.5
 
     @property
     def further_plateaus(self) -> tuple[Plateau, Plateau]:

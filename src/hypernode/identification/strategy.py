@@ -60,10 +60,10 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     """The stiffness alone, then the terms of the basis.
 
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
-    Where the terms leave it ambiguous, all at once are released from the homogeneous sheet, since a stiffness that had
-    to stand for other terms may mislead; where they underfit the test, the further terms as well, which
-    would only make longer valleys where they are not needed. Of what was tried the most probable field is kept, and
-    perturbed or divided.
+    Fibres are there only if a field with them is the likelier one. Where the terms leave the test ambiguous, all at
+    once are released from the homogeneous sheet, since a stiffness that had to stand for other terms may mislead;
+    where they underfit it, the further terms as well, which would only make longer valleys where they are not needed.
+    Of what was tried the most probable field is kept, and perturbed or divided.
     """
 
     @functools.cache
@@ -86,7 +86,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         tried = [plain]
         if plain.data_share >= strategy.nothing_left:
             tried = [with_terms(settings.terms, plain, further)]
-            if tried[0].ambiguous:
+            if settings.isotropic_terms and "fibre" in settings.terms:
+                tried.append(with_terms(settings.isotropic_terms, plain, further))
+            if likeliest(*tried).ambiguous:
                 tried.append(with_terms(settings.terms, None, further))
     found = likeliest(*tried)
     if settings.further_terms and found.underfitted:
@@ -185,7 +187,9 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
     """The field with cells divided into subcells, where interfaces lie anywhere and the data can tell where.
 
     A cell that an interface cuts is no material: neither does it deform as a mixture would, nor is it one. Subcells
-    of it are both more nearly, and what is left of the misfit tells how much of the cell is which.
+    of it are both more nearly, and what is left of the misfit tells how much of the cell is which. It also tells how
+    far finite elements describe the sheet, which depends on its contrast: where that is better than assumed, what was
+    measured is trusted as far as it shows.
     """
     strategy = found.problem.strategy
     count = strategy.subcells**2 * len(found.params)
@@ -194,4 +198,11 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
     terms, iterations = list(found.problem.basis.terms), min(strategy.subcells_iterations, settings.iterations)
     settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
     problem = field_problem(measurement, settings, strategy.subcells, strategy)
-    return descend(problem, settings, name, found, (), settings.tolerance).after(found)
+    found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
+    for _ in range(strategy.reestimates):
+        misfit = float(found.history[-1])
+        if found.problem.noisy or misfit > strategy.overestimated:
+            break
+        problem = field_problem(measurement, settings, strategy.subcells, strategy, misfit * found.problem.sigma)
+        found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
+    return found

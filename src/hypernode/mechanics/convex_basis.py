@@ -17,6 +17,11 @@ E^2 -> s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h,
 
 so that at E^2 = s^2 / 2 they are as stiff as without: strength and stiffening hardly trade places.
 
+With the term ogden two of Ogden's powers of the principal stretches l join, 6 and -4, whose functions of I1 and I2 are
+polynomials, scaled as I1 - 3 for small strains,
+
+Psi_O = c [ c5 (l1^6 + l2^6 + l3^6 - 3) / 9 + c6 (l1^-4 + l2^-4 + l3^-4 - 3) / 4 ].
+
 With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
 alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
 
@@ -46,6 +51,7 @@ SMALLEST = 0.005
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},
     "I2": {"log1p_I2": 0.08},
+    "ogden": {"log1p_ogden_6": 0.02, "log1p_ogden_minus_4": 0.02},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
     "across": {"log1p_across": 0.02},
     "stiffening": {"log1p_stiffening": 0.08},
@@ -104,6 +110,9 @@ class ConvexBasis:
             total = total + _coefficient(p["log1p_I1_squared"]) * square / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             total = total + _coefficient(p["log1p_I2"]) * e2
+        if "ogden" in self.terms:
+            total = total + _coefficient(p["log1p_ogden_6"]) * (I.I1**3 - 3.0 * I.I1 * I.I2) / 9.0
+            total = total + _coefficient(p["log1p_ogden_minus_4"]) * (I.I2**2 - 2.0 * I.I1 - 3.0) / 4.0
         if "fibre" in self.terms:
             strength, _, families = self._fibre(F, e1, p)
             squares = sum(share * self._square(E, p, "stiffening")[0] for share, _, E in families)
@@ -121,6 +130,10 @@ class ConvexBasis:
             dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * slope / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             dI2 = dI2 + _coefficient(p["log1p_I2"])
+        if "ogden" in self.terms:
+            sixth, inverse = _coefficient(p["log1p_ogden_6"]), _coefficient(p["log1p_ogden_minus_4"])
+            dI1 = dI1 + sixth * (I.I1**2 - I.I2) / 3.0 - 0.5 * inverse
+            dI2 = dI2 - sixth * I.I1 / 3.0 + 0.5 * inverse * I.I2
         if "fibre" in self.terms:
             strength, b, families = self._fibre(F, e1, p)
             for share, M, E in families:

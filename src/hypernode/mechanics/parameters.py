@@ -2,7 +2,7 @@
 read it fast. Moduli in the stress unit of the test, fibre_angle in degrees."""
 
 #: Terms that the convex basis may have beside the neo-Hookean one.
-BASIS_TERMS = ("I1_squared", "I2", "fibre", "across", "stiffening", "I1_stiffening", "J")
+BASIS_TERMS = ("I1_squared", "I2", "ogden", "fibre", "across", "stiffening", "I1_stiffening", "J")
 _MODULUS, _ANY = (1e-12, 1e12), (-1e12, 1e12)
 #: Model -> parameter -> (lowest, highest) allowed value.
 PARAMETERS = {

@@ -32,6 +32,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
             "units": EXPERIMENT_UNITS,
             "load_cases": [each.test.load for each in sheet.cases],
             "outline": specimen.outline,
+            "grid": "measured",
             "thickness": specimen.thickness,
             "noise_sources": [each.noise.source for each in sheet.cases],
             "noise_uncertainty": NOISE_UNCERTAINTY,

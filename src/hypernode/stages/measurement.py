@@ -42,6 +42,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             **carried,
             "units": units_of(forward),
             "outline": "edge",
+            "grid": "measured" if case.camera else "computed",
             "forces": "measured",
             "noise_uncertainty": 0.0,
             "outliers": int(mistaken.sum()),
