@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws smoke endurance report bench clean
+.PHONY: all resume verdict test lint unit laws smoke accuracy endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -36,6 +36,11 @@ laws: $(VENV)/dev
 
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
+
+# Many noisy tests of known sheets, without networks, into results/: three quarters of an hour. Fails beyond stated bounds.
+accuracy: $(VENV)/dev
+	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
+	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
 
 # Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev

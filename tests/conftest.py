@@ -11,4 +11,5 @@ jax.config.update("jax_enable_x64", True)
 
 def pytest_addoption(parser):
     parser.addoption("--smoke", action="store_true", help="also run the whole DAG on a small case")
+    parser.addoption("--accuracy", action="store_true", help="also hold the tables of config/accuracy.yaml in bounds")
     parser.addoption("--endurance", action="store_true", help="also kill runs and fill disks, for minutes")
