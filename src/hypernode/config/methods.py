@@ -104,7 +104,8 @@ class Constrained(Section):
     terms: list[Literal[BASIS_TERMS]] = ["I1_squared", "I2", "fibre", "stiffening"]
     """Terms of the energy beside the neo-Hookean one."""
     isotropic_terms: list[Literal[BASIS_TERMS]] = []
-    """Terms without fibres that are tried in place of these where these have fibres; the likelier field is kept."""
+    """Terms without fibres that are tried in place of these where these have fibres, and not used otherwise; the
+    likelier field is kept."""
     further_terms: list[Literal[BASIS_TERMS]] = []
     """Terms that are tried beside these where they do not explain the test."""
     iterations: Count = 60
@@ -125,10 +126,11 @@ class Constrained(Section):
 
     @model_validator(mode="after")
     def _first_terms_first(self):
-        every = {*self.terms, *self.further_terms, *self.isotropic_terms}
+        every = {*self.terms, *self.further_terms}
         for term, of in (("across", "fibre"), ("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
-            if term in every and of not in self.terms:
-                raise ValueError(f"the term {term} says more of the term {of}: add {of} to terms")
+            instead = self.isotropic_terms
+            if (term in every and of not in self.terms) or (term in instead and of not in instead):
+                raise ValueError(f"the term {term} says more of the term {of}: add {of} to the same terms")
         if "J" in self.further_terms or ("J" in self.terms and every & {"I2", "ogden"}):
             raise ValueError(
                 "the term J belongs to terms, without I2 and ogden: these need the thickness, which J leaves open"
