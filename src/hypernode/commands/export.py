@@ -26,7 +26,9 @@ def add_export(commands) -> None:
         metavar="RUN",
         help="results/CASE/METHOD; for numpy also a file that holds a material, such as results/CASE/true_material.nc",
     )
-    parser.add_argument("folder", type=Path, nargs="?", metavar="FOLDER", help="where to (CASE_METHOD here)")
+    parser.add_argument(
+        "folder", type=Path, nargs="?", metavar="FOLDER", help="where to, beside RUN (CASE_METHOD here)"
+    )
     parser.add_argument(
         "--to", action="append", choices=tuple(KINDS), help="one kind of files, and another for each more; all if not"
     )
@@ -36,10 +38,6 @@ def add_export(commands) -> None:
 
 def run_export(arguments) -> int:
     """Write the files and print their names."""
-    import jax
-
-    # Laws are fitted, and coefficients written, in double precision.
-    jax.config.update("jax_enable_x64", True)
     source = arguments.run_folder
     kinds = arguments.to or list(KINDS if source.is_dir() else ["numpy"])
     if arguments.folder and arguments.output:
@@ -54,17 +52,21 @@ def run_export(arguments) -> int:
 
 def _name(source: Path) -> str:
     """CASE_METHOD of a run; CASE and the file's name of a file."""
-    path = source.resolve().with_suffix("")
-    return f"{path.parent.name}_{path.name}"
+    path = source.resolve()
+    return f"{path.parent.name}_{path.name if path.is_dir() else path.stem}"
 
 
 def _content(source: Path, kinds: list[str]) -> dict[str, bytes]:
     """{name: content} of the files of all kinds."""
+    import jax
+
     from hypernode.export.febio import febio_files
     from hypernode.export.numpy_package import numpy_package
     from hypernode.export.table import phase_laws, table_files
     from hypernode.export.vtu import vtu_files
 
+    # Coefficients are written, and stresses computed, in double precision.
+    jax.config.update("jax_enable_x64", True)
     files: dict[str, bytes] = {}
     if "numpy" in kinds:
         files |= numpy_package(_read_material(source / "material.nc" if source.is_dir() else source))
@@ -116,7 +118,7 @@ def open_run(folder: Path):
 
 
 def _write(folder: Path, files: dict[str, bytes]) -> list[Path]:
-    """Write files into a folder, all or none.
+    """Write files into a folder, or none where one of them is there.
 
     Raises:
         UsageError: one of them is there already.

@@ -48,7 +48,7 @@ def _fitted(law: Law, curves: list[Curves]) -> list[Candidate]:
 
 def _candidate(law: Law, curves: Curves, found: Fit, index: int) -> Candidate:
     params = found.params[index]
-    missed = np.asarray(law_components(law, curves.F, params)) - curves.stress
+    missed = law_components(law, curves.F, params) - curves.stress
     return Candidate(
         law,
         _half_turn(law, params),

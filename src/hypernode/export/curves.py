@@ -60,7 +60,7 @@ class Curves:
         J = np.linalg.det(F)[:, None, None]
         # P of mu = 1: F - J^-3 cof F.
         cofactor = np.stack([np.stack([F[:, 1, 1], -F[:, 1, 0]], -1), np.stack([-F[:, 0, 1], F[:, 0, 0]], -1)], 1)
-        unit = np.asarray(components(F - cofactor / J**3))
+        unit = components(F - cofactor / J**3)
         weight = 1.0 / self.noise**2
         return float(np.sum(weight * unit * self.stress) / np.sum(weight * unit**2))
 
@@ -121,7 +121,7 @@ def _seen_modes(domain: Domain, steps: int):
 def _stress(material, X, F) -> Float[np.ndarray, "position point 3"]:
     """Stress of every position in every deformation."""
     P = material.stress(X, np.broadcast_to(F[:, None], (len(F), len(X), 2, 2)))
-    return np.moveaxis(np.asarray(components(np.asarray(P, float))), 0, 1)
+    return np.moveaxis(components(np.asarray(P, float)), 0, 1)
 
 
 def _deviations(run: Run, cells, F) -> Float[np.ndarray, "sample point 3"]:

@@ -3,6 +3,7 @@
 import json
 from typing import NamedTuple
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -84,23 +85,24 @@ def _parameters(run: Run) -> dict[str, Field]:
             for name in file
             if name.startswith("material.")
         }
-    if file.attrs["material_kind"] == "node":
-        file = run.files.get("constrained")
+    file = run.files.get("constrained", file if file.attrs["material_kind"] == "convex_basis" else None)
     if file is None:
         return {}
     basis, best = basis_field(file)
     coefficients = basis.coefficients(best)
-    samples = {}
+    changes = {}
     if f"posterior.{basis.names[0]}" in file:
         drawn = np.stack([file[f"posterior.{name}"].values for name in basis.names])
-        samples = basis.coefficients(drawn)
+        start = np.broadcast_to(best[:, None], drawn.shape)
+        # To first order, as the samples themselves are.
+        _, changes = jax.jvp(basis.coefficients, (start,), (drawn - start,))
     fields = {}
     for letter in [each for each in coefficients if each not in DIRECTION]:
         unit, name = run.material.units["stress"] if letter in STRESSES else "1", f"basis_{letter}"
         about = f"coefficient {letter} of the convex basis, mean of the subcells"
         fields[name] = Field(np.asarray(coefficients[letter]).mean(axis=0), unit, about)
-        if samples:
-            spread = sample_spread(np.asarray(samples[letter]).mean(axis=1))
+        if changes:
+            spread = sample_spread(np.asarray(changes[letter]).mean(axis=1))
             fields[f"{name}_spread"] = Field(spread, unit, f"standard deviation of {name} over the posterior samples")
     return fields
 

@@ -1,14 +1,12 @@
 """Least squares for many curves at once, with bounds: Levenberg and Marquardt's method, projected."""
 
-from functools import lru_cache, partial
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from hypernode.export.laws import Law
+from hypernode.export.numpy_material.api import STEP
 
 #: Most iterations; a fit that still descends then is as good as its misfit says.
 ITERATIONS = 200
@@ -28,26 +26,26 @@ class Fit(NamedTuple):
 
 def components(P: Float[np.ndarray, "... 2 2"]) -> Float[np.ndarray, "... 3"]:
     """(P_xX, P_yY, (P_xY + P_yX) / sqrt 2): a plane stress has three numbers."""
-    return jnp.stack([P[..., 0, 0], P[..., 1, 1], (P[..., 0, 1] + P[..., 1, 0]) / jnp.sqrt(2.0)], axis=-1)
+    return np.stack([P[..., 0, 0], P[..., 1, 1], (P[..., 0, 1] + P[..., 1, 0]) / np.sqrt(2.0)], axis=-1)
 
 
-def law_components(law: Law, F: Float[np.ndarray, "point 2 2"], params) -> Float[np.ndarray, "point 3"]:
+def law_components(
+    law: Law, F: Float[np.ndarray, "... point 2 2"], params: Float[np.ndarray, "... parameter"]
+) -> Float[np.ndarray, "... point 3"]:
     """:func:`components` of a law's stress."""
-    return components(jnp.moveaxis(law.stress(jnp.moveaxis(F, 0, -1), params), -1, 0))
+    P = law.stress(np.moveaxis(F, (-2, -1), (0, 1)), np.moveaxis(params, -1, 0)[..., None])
+    return components(np.moveaxis(P, (0, 1), (-2, -1)))
 
 
-@lru_cache
-def _linearised(law: Law):
-    """(params, F, noise) of some fits -> what the law predicts over the noise, and its derivative, of every fit."""
-
-    def predicted(params, F, noise):
-        return (law_components(law, F, params) / noise).ravel()
-
-    def both(params, F, noise):
-        value = partial(predicted, F=F, noise=noise)
-        return value(params), jax.jacfwd(value)(params)
-
-    return jax.jit(jax.vmap(both))
+def _linearised(law: Law, F, noise, params):
+    """What a law predicts over the noise (fit, residual), and its derivative by each parameter."""
+    value = law_components(law, F, params) / noise
+    columns = []
+    for k in range(params.shape[1]):
+        moved = params.astype(complex)
+        moved[:, k] += 1j * STEP
+        columns.append(np.imag(law_components(law, F, moved)) / STEP / noise)
+    return value.reshape(len(params), -1), np.stack(columns, axis=-1).reshape(len(params), -1, params.shape[1])
 
 
 def fit(
@@ -71,14 +69,14 @@ def fit(
     lowest, highest = law.bounds(stiffness)
     target = (stress / noise).reshape(len(starts), -1)
     params, damping = np.clip(starts, lowest, highest), np.full(len(starts), DAMPING)
-    value, jacobian = map(np.asarray, _linearised(law)(params, F, noise))
+    value, jacobian = _linearised(law, F, noise, params)
     squares = ((value - target) ** 2).sum(axis=1)
     rounding = TOLERANCE * np.finfo(float).eps * (target**2).sum(axis=1)
     open_fits = np.ones(len(starts), bool)
     for _ in range(ITERATIONS):
         step = _step(params, value - target, jacobian, damping, lowest, highest)
         moved = np.clip(params + step, lowest, highest)
-        new_value, new_jacobian = map(np.asarray, _linearised(law)(moved, F, noise))
+        new_value, new_jacobian = _linearised(law, F, noise, moved)
         new_squares = ((new_value - target) ** 2).sum(axis=1)
         better = open_fits & (new_squares < squares)
         ended = better & (squares - new_squares <= TOLERANCE * squares + rounding)

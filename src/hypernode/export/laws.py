@@ -3,14 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from hypernode.mechanics.closed_forms import goh, mooney_rivlin, neo_hookean, yeoh
-from hypernode.mechanics.kinematics import Invariants, in_plane_trace, invariants
-from hypernode.mechanics.stress import first_piola_kirchhoff
+from hypernode.export.numpy_material.closed_form import goh, mooney_rivlin, neo_hookean, yeoh
+from hypernode.export.numpy_material.mechanics import REFERENCE, first_piola_kirchhoff, invariants
 
 #: Steps of Newton's method for the thickness of a compressible sheet from the linear answer: digits double with each.
 NEWTON_STEPS = 6
@@ -40,24 +37,29 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Law:
-    """A law: its formula, its parameters and its energy."""
+    """A law: its formula, its parameters and its response.
+
+    Attributes:
+        response: ({invariant: values}, {parameter: values}) -> (energy, {invariant: derivative}), of complex ones too.
+    """
 
     name: str
     formula: str
     parameters: tuple[Parameter, ...]
-    energy: Callable[[Invariants, Mapping[str, Float[Array, ""]]], Float[Array, "..."]]
+    response: Callable[[Mapping, Mapping], tuple]
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
         return tuple(parameter.name for parameter in self.parameters)
 
-    def stress(self, F: Float[Array, "2 2 point"], params: Float[Array, " parameter"]) -> Float[Array, "2 2 point"]:
-        """First Piola-Kirchhoff stress of a sheet in plane stress."""
+    def stress(self, F: Float[np.ndarray, "2 2 ..."], params: Float[np.ndarray, "parameter ..."]):
+        """First Piola-Kirchhoff stress [i, J, ...] of a sheet in plane stress; parameters may be complex."""
         p = dict(zip(self.names, params, strict=True))
-        angle = jnp.deg2rad(p.get("fibre_angle", 0.0))
-        dPsi = jax.grad(lambda I: jnp.sum(self.energy(I, p)))(invariants(F, angle))
-        return first_piola_kirchhoff(F, dPsi, angle)
+        angle = np.pi / 180.0 * p.get("fibre_angle", 0.0)
+        I = invariants(F, angle)
+        _, slope = self.response(I, p)
+        return first_piola_kirchhoff(F, dict.fromkeys(REFERENCE, 0.0) | slope, angle)
 
     def bounds(self, stiffness: Float[np.ndarray, " fit"]) -> tuple[np.ndarray, np.ndarray]:
         """(lowest, highest) values (fit, parameter) where stresses are measured by a stiffness each."""
@@ -70,30 +72,27 @@ class Law:
         return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def demiray(I: Invariants, p: Mapping) -> Float[Array, "..."]:
-    """Psi = a/(2 b) (exp(b (I1 - 3)) - 1) (Demiray 1972)."""
-    return 0.5 * p["a"] / p["b"] * jnp.expm1(p["b"] * (I.I1 - 3.0))
+def demiray(I: Mapping, p: Mapping):
+    """Psi = a/(2 b) (exp(b (I1 - 3)) - 1) (Demiray 1972), and its derivatives."""
+    e = I["I1"] - 3.0
+    return 0.5 * p["a"] / p["b"] * np.expm1(p["b"] * e), {"I1": 0.5 * p["a"] * np.exp(p["b"] * e)}
 
 
-def logarithmic_neo_hookean(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+def logarithmic_neo_hookean(I: Mapping, p: Mapping):
     """Psi = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2 of the solid (Simo and Pister 1984), where S33 = 0.
 
-    The thickness stretch t has mu (t^2 - 1) + lambda ln (J t) = 0, with J in the plane.
+    The thickness stretch t has mu (t^2 - 1) + lambda ln (J t) = 0, with J in the plane: there Psi has its minimum, so
+    that its derivatives are those at a given t.
     """
-    mu, la, log_J = p["mu"], p["lambda"], jnp.log(I.J)
-
-    def closer(log_t, mu, la, log_J):
-        square = jnp.exp(2.0 * log_t)
-        return log_t - (mu * (square - 1.0) + la * (log_J + log_t)) / (2.0 * mu * square + la)
-
-    found = jax.lax.stop_gradient((-la * log_J / (la + 2.0 * mu), mu, la, log_J))
-    log_t = found[0]
+    mu, la, J = p["mu"], p["lambda"], I["J"]
+    log_J = np.log(J)
+    log_t = -la * log_J / (la + 2.0 * mu)
     for _ in range(NEWTON_STEPS):
-        log_t = closer(log_t, *found[1:])
-    # One more step has the derivatives of the solution itself.
-    log_t = closer(log_t, mu, la, log_J)
-    volume = log_J + log_t
-    return 0.5 * mu * (in_plane_trace(I) + jnp.exp(2.0 * log_t) - 3.0 - 2.0 * volume) + 0.5 * la * volume**2
+        square = np.exp(2.0 * log_t)
+        log_t = log_t - (mu * (square - 1.0) + la * (log_J + log_t)) / (2.0 * mu * square + la)
+    volume, trace = log_J + log_t, I["I1"] - 1.0 / J**2
+    energy = 0.5 * mu * (trace + np.exp(2.0 * log_t) - 3.0 - 2.0 * volume) + 0.5 * la * volume**2
+    return energy, {"I1": 0.5 * mu, "J": mu / J**3 + (la * volume - mu) / J}
 
 
 def _stress(name: str, start: float, lowest: float = 0.0) -> Parameter:

@@ -51,9 +51,8 @@ def _page(run: Run, laws) -> str:
     lines = [
         f"# Laws of the phases, {run.name}",
         "",
-        f"Energy by reference volume, stresses in {run.material.units['stress']}; invariants of the "
-        "incompressible solid where the formula says nothing else, I4 the squared stretch along the fibres, <E> positive "
-        "or zero.",
+        f"Energy by reference volume, stresses in {run.material.units['stress']}; invariants of the incompressible "
+        "solid where the formula says nothing else, I4 the squared stretch along the fibres, <E> positive or zero.",
         f"Verdict on the run: {run.verdict.label}. " + _deviations(run),
     ]
     for curves, found in laws:

@@ -52,7 +52,8 @@ class Domain:
             directional: whether the material has a direction, so that a stretch along x says little of one along y.
         """
         F = np.asarray(F, float).reshape(-1, 2, 2)
-        F = F[np.isfinite(F).all(axis=(1, 2)) & (np.linalg.det(F) > 0.0)]
+        F = F[np.isfinite(F).all(axis=(1, 2))]
+        F = F[np.linalg.det(F) > 0.0]
         measures = deformation_measures(np.concatenate([np.eye(2)[None], F]))
         names = ISOTROPIC + (tuple(DIRECTIONS) if directional else ())
         return cls({name: (measures[name].min(), measures[name].max()) for name in names})
