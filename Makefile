@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws smoke accuracy endurance report bench clean
+.PHONY: all resume verdict test lint unit laws felupe smoke accuracy endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -33,6 +33,11 @@ unit: $(VENV)/dev
 # Laws that take whole identifications.
 laws: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests
+
+# An identified sheet in felupe against the project's own finite elements; installs felupe: a minute.
+felupe: $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-felupe.txt
+	$(BIN)/python -m pytest -q tests/export/test_felupe.py
 
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py

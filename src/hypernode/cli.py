@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
 from hypernode.errors import ExpectedError
@@ -158,7 +159,7 @@ def idle(arguments) -> int:
     return 0
 
 
-def add_export(commands) -> None:
+def add_export_csv(commands) -> None:
     """``export-csv``."""
     parser = commands.add_parser(
         "export-csv", help="write a measurement as frames, force records and the configuration that imports them again"
@@ -176,7 +177,7 @@ def export_csv(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_idle)
+COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_export_csv, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -45,9 +45,9 @@ def test_the_basis_contains_powers_of_the_principal_stretches_as_stiff_as_the_ot
         stretches = jax.numpy.concatenate([squared, 1.0 / jax.numpy.prod(squared, keepdims=True)])
         return jax.numpy.sum(stretches) + 4.0 / exponent**2 * jax.numpy.sum(stretches ** (exponent / 2.0))
 
-    # What vanishes is rounded to a hundredth of a term.
-    found = basis.stress(F, np.array(list(params.values())))
-    np.testing.assert_allclose(found, jax.grad(energy)(F), rtol=0.02)
+    # The other power vanishes but for half a hundredth of c.
+    found, wanted = basis.stress(F, np.array(list(params.values()))), jax.grad(energy)(F)
+    np.testing.assert_allclose(found, wanted, atol=0.01 * np.linalg.norm(wanted))
 
 
 @pytest.mark.parametrize("k2", [0.5, 20.0])

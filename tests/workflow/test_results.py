@@ -134,6 +134,7 @@ def test_identified_and_true_material_answer_the_same_questions(smoke):
     F = np.tile(np.array([[1.1, 0.05], [0.0, 0.97]]), (3, 1, 1))
     for path in ("disc/true_material.nc", "disc/tiny/material.nc"):
         material = hypernode.load_material(smoke / "results" / path)
+        assert (material.seen is None) == path.endswith("true_material.nc")
         P, A = np.asarray(material.stress(X, F)), np.asarray(material.tangent(X, F))
         assert P.shape == (3, 2, 2) and A.shape == (3, 2, 2, 2, 2)
         h = 1e-4 if P.dtype == np.float64 else 1e-2

@@ -1,10 +1,15 @@
 """A material as three functions of position and deformation."""
 
+import warnings
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
+
+from hypernode.material.domain import Domain
 
 
 class Material:
@@ -12,10 +17,13 @@ class Material:
 
     Attributes:
         units: what ``stress`` and ``energy`` (per reference volume) and ``length`` mean.
+        seen: the deformations that the test has seen, beyond which the material warns once; None where it does not.
     """
 
     def __init__(self, params_at, stress, energy, units: dict[str, str]):
         self._params_at, self.units = params_at, units
+        self.seen: Domain | None = None
+        self._warned = False
         self._stress, self._energy = jax.jit(stress), jax.jit(energy)
         self._tangent = jax.jit(partial(_tangent, stress))
 
@@ -24,10 +32,20 @@ class Material:
         X, F = jnp.asarray(X), jnp.asarray(F)
         if X.ndim != 2 or X.shape[1] != 2 or F.shape[-3:] != (len(X), 2, 2):
             raise ValueError(f"X must be (n, 2) and F (..., n, 2, 2), not {X.shape} and {F.shape}")
+        self._look(F)
         params = self._params_at(X)
         states = jnp.moveaxis(F.reshape(-1, *F.shape[-3:]), 1, -1)
         found = jnp.stack([jnp.moveaxis(function(state, params), -1, 0) for state in states])
         return found.reshape(*F.shape[:-2], *found.shape[2:])
+
+    def _look(self, F):
+        """Warn of deformations that the test has not seen, once; values that are being traced are no numbers yet."""
+        if self.seen is None or self._warned or isinstance(F, jax.core.Tracer):
+            return
+        remark = self.seen.remark(F)
+        if remark:
+            self._warned = True
+            warnings.warn(remark, UserWarning, stacklevel=4)
 
     def energy(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n"]:
         """Energy density Psi(X, F), zero at F = I.
@@ -45,6 +63,24 @@ class Material:
     def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2 2 2"]:
         """dP_iJ/dF_kL as [..., n, i, J, k, L]; arguments as in :meth:`energy`."""
         return self._evaluate(self._tangent, X, F)
+
+    def point_law(self, X: Float[Array, "n 2"]) -> tuple[Callable, Any]:
+        """What a finite-element code needs that evaluates one point at a time, such as JAX-FEM.
+
+        Args:
+            X: positions, in the length unit of the test.
+
+        Returns:
+            (P(F[2, 2], values) of one point, values of all points: a pytree of arrays (n, ...)).
+        """
+
+        def by_point(values):
+            return jnp.moveaxis(jnp.broadcast_to(values, (*values.shape[:-1], len(X))), -1, 0)
+
+        def stress(F, values):
+            return self._stress(F[..., None], jax.tree.map(lambda each: each[..., None], values))[..., 0]
+
+        return stress, jax.tree.map(by_point, self._params_at(X))
 
 
 def _tangent(stress, F, params):

@@ -11,6 +11,7 @@ import xarray as xr
 
 from hypernode.config.methods import Frequencies
 from hypernode.material.basis_file import basis_field
+from hypernode.material.domain_file import domain_of
 from hypernode.material.field import Material
 from hypernode.material.laws import mean_of_subcells, node_energy, node_stress
 from hypernode.material.node_material import NodeMaterial
@@ -85,11 +86,15 @@ def _closed_form(file: xr.Dataset) -> Material:
     return Material(params_at, stress, energy, units_of(file))
 
 
+def node_material(file: xr.Dataset) -> NodeMaterial:
+    """The material of a point of a file that holds a hyper-network."""
+    stored = json.loads(file.attrs["node"])
+    return NodeMaterial(**{k: tuple(v) if isinstance(v, list) else v for k, v in stored.items()})
+
+
 def parameter_field(file: xr.Dataset):
     """(material, X -> node_params[size, point]) of a file that holds a hyper-network."""
-    material = NodeMaterial(
-        **{k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(file.attrs["node"]).items()}
-    )
+    material = node_material(file)
     settings = Frequencies.model_validate_json(file.attrs["hypernetwork"])
     network = from_arrays(settings, 0, material.size, file, "hypernetwork")
     lower = jnp.asarray(file["corners"].values[0], jnp.float32)
@@ -126,6 +131,8 @@ def material_of(file: xr.Dataset) -> Material:
 def load_material(path: str | Path) -> Material:
     """The material field stored in a result file, identified or true.
 
+    An identified one warns once where it is asked for deformations that its test has not seen (``seen``).
+
     Args:
         path: ``material.nc`` or ``constrained.nc`` of a run, or ``true_material.nc`` of a synthetic case.
 
@@ -135,4 +142,6 @@ def load_material(path: str | Path) -> Material:
     file = read(path)
     if file.attrs.get("material_kind") not in _KINDS:
         raise StorageError(f"{path}: holds no material; load material.nc of a run or true_material.nc of a case")
-    return material_of(file)
+    material = material_of(file)
+    material.seen = domain_of(file)
+    return material

@@ -58,6 +58,18 @@ PARAMETERS = {
     "I1_stiffening": {"log1p_I1_stiffening": 0.08},
     "J": {"log1p_J_area": 0.4, "log1p_J_volume": 0.4},
 }
+#: Letter of a positive coefficient in the energy above -> its parameter; ``h1`` is the h of I1_stiffening.
+LETTERS = {
+    "c1": "log1p_I1_squared",
+    "c2": "log1p_I2",
+    "q": "log1p_across",
+    "h": "log1p_stiffening",
+    "h1": "log1p_I1_stiffening",
+    "c3": "log1p_J_area",
+    "c4": "log1p_J_volume",
+    "c5": "log1p_ogden_6",
+    "c6": "log1p_ogden_minus_4",
+}
 #: Parameters that together are the doubled-angle vector of the fibres.
 FIBRE_VECTOR = ("fibre_x", "fibre_y")
 assert tuple(PARAMETERS) == BASIS_TERMS, "the names that the configuration offers are those of the basis"
@@ -85,6 +97,11 @@ class ConvexBasis:
     def names(self) -> tuple[str, ...]:
         """Names of the parameters in their order."""
         return ("log_level", *(name for term in self.terms for name in PARAMETERS[term]))
+
+    @property
+    def has_fibres(self) -> bool:
+        """Whether the material has a direction."""
+        return "fibre" in self.terms
 
     @property
     def start(self) -> Float[np.ndarray, " parameter"]:
@@ -146,6 +163,19 @@ class ConvexBasis:
             dJ = 2.0 * dI1 / I.J**3 - 2.0 + 2.0 * _coefficient(p["log1p_J_area"]) * (1.0 - 1.0 / I.J)
             dJ = dJ + 2.0 * _coefficient(p["log1p_J_volume"]) * (1.0 - 1.0 / I.J**3)
         return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S, dJ)
+
+    def coefficients(self, params: Float[Array, "parameter ..."]) -> dict[str, Float[Array, "..."]]:
+        """The numbers of the energy above by their letters; ``rx, ry`` of the fibres is r (cos 2a, sin 2a)."""
+        p = dict(zip(self.names, params, strict=True))
+        found = {"c": jnp.exp(p["log_level"])}
+        for letter, name in LETTERS.items():
+            if name in p:
+                found[letter] = _coefficient(p[name])
+        if self.has_fibres:
+            z = jnp.sqrt(p["fibre_x"] ** 2 + p["fibre_y"] ** 2 + ROUNDING**2)
+            found |= {"k": z - ROUNDING, "rx": p["fibre_x"] / z, "ry": p["fibre_y"] / z}
+            found["b"] = jax.nn.sigmoid(p["logit_dispersion"])
+        return found
 
     def _isotropic(self, I):
         """I1 - 3, or tr C - 2 where the sheet is compressible."""

@@ -11,6 +11,8 @@ from hypernode.data.loading import Loading
 from hypernode.data.measurement import field_gradient, mesh_of
 from hypernode.identification.baselines import NEO_HOOKEAN, equilibrium_gap_moduli, homogeneous_modulus
 from hypernode.material.basis_file import basis_content, basis_field
+from hypernode.material.domain import Domain
+from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
 
 
@@ -23,17 +25,18 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     """
     measurement = read(files["measurement"])
     mesh = mesh_of(measurement)
-    found = {}
+    found, F = {}, field_gradient(read(files["field"]))
     if method.baseline == "constrained":
         basis, params = basis_field(read(files["constrained"]))
     else:
-        loading, F = Loading.of(measurement), field_gradient(read(files["field"]))
+        loading = Loading.of(measurement)
         if method.baseline == "homogeneous":
             moduli = np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F))
         else:
             moduli, found["smoothness_weight"] = equilibrium_gap_moduli(mesh, loading, F, method.seed)
         basis, params = NEO_HOOKEAN, np.log(moduli)[None, None]
     content, kind = basis_content(basis, params)
+    seen, measures = domain_content(Domain.of(np.moveaxis(F, (0, 1), (2, 3)), basis.has_fibres))
     write(
         output,
         {
@@ -41,6 +44,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
             "cells": mesh.cells,
             "corners": np.stack([mesh.lower, mesh.upper]),
             **content,
+            **seen,
         },
         f"baseline material of {name}",
         {
@@ -48,6 +52,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
             **found,
             "units": units_of(measurement),
             **kind,
+            **measures,
         },
         parents=list(files.values()),
     )

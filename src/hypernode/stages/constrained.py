@@ -5,8 +5,12 @@ import json
 import numpy as np
 
 from hypernode.config.methods import Constrained
+from hypernode.data.measurement import mesh_of
+from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.strategy import identify
 from hypernode.material.basis_file import basis_content
+from hypernode.material.domain import Domain
+from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
 
@@ -27,7 +31,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
     variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
     content, kind = basis_content(problem.basis, found.params.T[:, refinement.subcells.T])
-    variables |= content
+    F = deformation_gradient(mesh_of(measurement), variables["u"])
+    seen, measures = domain_content(Domain.of(F, problem.basis.has_fibres))
+    variables |= content | seen
     # Without noise there is nothing that a test cannot tell apart by chance.
     if settings.posterior_samples and problem.noisy:
         variables |= _posterior(found, settings)
@@ -40,6 +46,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         {
             **attributes,
             **kind,
+            **measures,
             **_ending(found),
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,

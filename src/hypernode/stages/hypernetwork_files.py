@@ -6,6 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from hypernode.config.methods import Method
+from hypernode.data.measurement import field_gradient
+from hypernode.material.domain import Domain
+from hypernode.material.domain_file import domain_content
 from hypernode.networks.weights import to_arrays
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
@@ -22,7 +25,8 @@ def save(
     problem: InverseProblem, fit: Fit, title: str, files: Mapping[str, str], output: str, attributes: dict
 ) -> None:
     """Write a trained network with everything :func:`hypernode.load_material` needs."""
-    mesh = problem.mesh
+    mesh, F = problem.mesh, np.moveaxis(field_gradient(problem.inputs["field"]), (0, 1), (2, 3))
+    seen, measures = domain_content(Domain.of(F, problem.node.has_fibres))
     write(
         output,
         {
@@ -32,10 +36,12 @@ def save(
             "corners": np.stack([mesh.lower, mesh.upper]),
             "loss": fit.losses,
             "loss_iteration": fit.iterations,
+            **seen,
         },
         f"{title} of {problem.name}",
         {
             **attributes,
+            **measures,
             "units": units_of(problem.inputs["measurement"]),
             "material_kind": "node",
             "node": json.dumps(problem.spec),

@@ -30,6 +30,8 @@ DIMS = {
     "curve_point": "sample along a stress-stretch curve",
     "location": "point of the sheet at which a curve is drawn",
     "corner": "lower left, then upper right",
+    "deformation_measure": "one measure of how a point is deformed, named in the attribute deformation_measures",
+    "bound": "the smallest value, then the largest",
 }
 
 
@@ -112,6 +114,11 @@ VARIABLES = {
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),
+    "deformation_seen": Variable(
+        ("deformation_measure", "bound"),
+        "1",
+        "range of each measure of deformation over the test; beyond it the material is extrapolated",
+    ),
     # evaluation; the measured deformation is the differentiated mean of the repeats, the identified one the field that
     # the method uses: its equilibrium field, its interpolant, or what the gradient stage made of the measurement
     "mode_F": Variable(("mode", "stretch_index", "i", "J"), "1", "prescribed common deformation gradient"),
