@@ -73,3 +73,24 @@ def test_a_thicker_cell_pulls_as_one_that_is_stiffer_does():
     (expected,), (found,) = problem.equilibrium.states(stiffer, guesses), thick.equilibrium.states(params, guesses)
     np.testing.assert_allclose(found.u, expected.u, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(found.force, expected.force, rtol=1e-9, atol=1e-12)
+
+
+def test_what_was_measured_is_described_as_well_as_cells_are_small_and_what_was_computed_on_the_grid_better():
+    load = make_load("uniaxial_x", [1.1])
+    computed, measured = [], []
+    for cells in (6, 12):
+        data, _, _ = sheet(cells, square, load)
+        for each, found in (("computed", computed), ("measured", measured)):
+            found.append(field_problem(data.assign_attrs(grid=each), SETTINGS))
+    assert computed[0].sigma == pytest.approx(computed[1].sigma, rel=1e-3)
+    assert measured[0].sigma == pytest.approx(2.0 * measured[1].sigma, rel=1e-3)
+    assert measured[1].sigma > 50.0 * computed[1].sigma
+    assert all(each.blurred and not each.noisy for each in measured) and not computed[0].blurred
+    divided = field_problem(data.assign_attrs(grid="measured"), SETTINGS, 2)
+    assert divided.sigma < 0.5 * measured[1].sigma
+
+
+def test_noise_that_hides_what_finite_elements_miss_is_all_that_counts():
+    data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.1]), noise=3e-3)
+    problem = field_problem(data.assign_attrs(grid="measured"), SETTINGS)
+    assert problem.noisy and problem.sharp and problem.sigma == pytest.approx(3e-3)

@@ -66,6 +66,21 @@ def test_fibres_that_stiffen_as_those_of_skin_are_found_with_the_term_for_it_and
     assert errors[1] < 0.01 < 0.05 < errors[0]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", ["ogden", "fibre"])
+def test_fibres_are_there_only_if_a_field_with_them_is_the_likelier_one(truth):
+    load = make_load("clamped_y", [1.08, 1.16, 1.24])
+    values = {"ogden": {"log1p_ogden_6": 0.7}, "fibre": {"fibre_x": -0.5, "fibre_y": 0.4}}[truth]
+    data, _, true = sheet(8, square, load, noise=2e-4, terms=(truth,), values=values.items())
+    settings = Constrained(terms=["I2", "fibre"], isotropic_terms=["I2", "ogden"])
+    found = identify(data, settings, truth)
+    assert found.problem.basis.terms == {"ogden": ("I2", "ogden"), "fibre": ("I2", "fibre")}[truth]
+    F = np.diag([1.2**-0.5, 1.2])[:, :, None]
+    P = found.problem.basis.stress(F, found.params.T)
+    wanted = ConvexBasis((truth,), SCALE).stress(F, true.T)
+    assert np.linalg.norm(P - wanted) < 0.05 * np.linalg.norm(wanted)
+
+
 def test_a_descent_begins_anew_where_no_equilibrium_is_near_that_of_the_terms_before():
     data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1]))
     settings = Constrained(terms=["I1_squared"], iterations=3)
@@ -84,6 +99,10 @@ def test_a_descent_begins_anew_where_no_equilibrium_is_near_that_of_the_terms_be
 def test_the_area_of_a_compressible_sheet_and_the_thickness_dependent_I2_exclude_each_other():
     with pytest.raises(ValidationError, match="without I2"):
         Constrained(terms=["I2", "J"])
+    with pytest.raises(ValidationError, match="and ogden"):
+        Constrained(terms=["ogden", "J"])
+    with pytest.raises(ValidationError, match="neither fibre nor J"):
+        Constrained(terms=["fibre"], isotropic_terms=["fibre"])
     with pytest.raises(ValidationError, match="J belongs to terms"):
         Constrained(terms=[], further_terms=["J"])
     with pytest.raises(ValidationError, match="no I2"):

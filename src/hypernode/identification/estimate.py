@@ -96,6 +96,12 @@ class Estimate:
         return self.unexplained > 1.0 or self.excess > self.problem.strategy.by_chance
 
     @property
+    def complete(self) -> bool:
+        """Whether other terms have nothing to add: without noise, since what it hides may be anything."""
+        quiet = not self.problem.noisy and self.data_share < self.problem.strategy.nothing_left
+        return quiet and self.unexplained <= 1.0
+
+    @property
     def underfitted(self) -> bool:
         """Whether no field of these terms explains the test, as far as this one tells."""
         strategy = self.problem.strategy

@@ -85,9 +85,11 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         plain = with_terms(first, None, strategy.stiffness_plateaus, strategy.stiffness_tolerance)
         tried = [plain]
         if plain.data_share >= strategy.nothing_left:
-            tried = [with_terms(settings.terms, plain, further)]
+            tried = []
             if settings.isotropic_terms and "fibre" in settings.terms:
-                tried.append(with_terms(settings.isotropic_terms, plain, further))
+                tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
+            if not any(each.complete for each in tried):
+                tried.insert(0, with_terms(settings.terms, plain, further))
             if likeliest(*tried).ambiguous:
                 tried.append(with_terms(settings.terms, None, further))
     found = likeliest(*tried)
