@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.explore import add_explore
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
 from hypernode.errors import ExpectedError
@@ -176,7 +177,7 @@ def export_csv(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_idle)
+COMMANDS = (add_inspect, add_identify, add_explore, add_audit, add_verdict, add_schema, add_export, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:
