@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws smoke endurance report bench clean
+.PHONY: all resume verdict test lint unit laws smoke browser endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -37,6 +37,10 @@ laws: $(VENV)/dev
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
+# The explorer in Chromium, which the system must have: apt-get install chromium.
+browser: $(VENV)/browser
+	$(BIN)/python -m pytest -q tests/explorer/test_browser.py
+
 # Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
@@ -61,6 +65,10 @@ $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 
 $(VENV)/dev: requirements-dev.txt $(VENV)/run
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+	touch $@
+
+$(VENV)/browser: requirements-browser.txt $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	touch $@
 
 clean:

@@ -19,6 +19,6 @@ rule explorer:
         runtime=runtime(CONFIG, "explorer"),
     params:
         code=CODE["explorer"],
-        settings=lambda w: {"beside": EXPLORED[w.case, w.method]},
+        settings=lambda w: {"beside": EXPLORED.get((w.case, w.method))},
     script:
         "../scripts/explorer.py"

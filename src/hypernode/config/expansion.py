@@ -1,4 +1,4 @@
-"""What a configuration need not write out: cases of grid blocks and of specimens, and figures and explorers of specimens."""
+"""What a configuration need not write out: cases of grid blocks and of specimens, and what is shown of those."""
 
 import itertools
 from collections.abc import Callable
@@ -53,7 +53,10 @@ def specimen_figures(cases: dict[str, Case]) -> dict[str, RunFigure]:
 def specimen_explorers(cases: dict[str, Case]) -> list[ExploredRun]:
     """An explorer of every run of a specimen."""
     return [
-        ExploredRun(case=name, method=method) for name, case in cases.items() if case.specimen for method in case.methods
+        ExploredRun(case=name, method=method)
+        for name, case in cases.items()
+        if case.specimen
+        for method in case.methods
     ]
 
 

@@ -106,7 +106,8 @@ class Formulas:
 
 
 def _literal(value: float) -> str:
-    text = repr(float(value))
-    if not math.isfinite(value):
-        raise ValueError(f"{text} has no text that both languages read")
+    """A number as both languages read it: one that is too large is infinite to both."""
+    if math.isnan(value):
+        return "(1e999-1e999)"
+    text = repr(value).replace("inf", "1e999")
     return f"({text})" if text.startswith("-") else text

@@ -97,9 +97,7 @@ def pack_posterior(material: Material, X: Float[np.ndarray, "cell 2"], largest: 
     leaves = [best, change]
     bits = _fewest_bits(
         leaves,
-        lambda rounded: _largest(
-            np.linalg.norm(spread(*rounded) - wanted, axis=1), np.linalg.norm(wanted, axis=1)
-        ),
+        lambda rounded: _largest(np.linalg.norm(spread(*rounded) - wanted, axis=1), np.linalg.norm(wanted, axis=1)),
         SPREAD_ERROR,
     )
     one = tuple(jnp.asarray(each.reshape(*each.shape[: best.ndim - 1], -1)[..., :1], jnp.float32) for each in leaves)

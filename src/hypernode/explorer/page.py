@@ -42,7 +42,9 @@ def explorer_page(first: Mapping[str, xr.Dataset], second: Mapping[str, xr.Datas
     laws = _numbered_laws(runs)
     colours = {name: _samples(name) for name in (FIELD_MAP, STRAIN_MAP, ERROR_MAP, ANGLE_MAP)}
     # A "<" in a name must not end the element in which it stands.
-    data = json.dumps({"runs": runs, "colours": colours}, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    data = json.dumps({"runs": runs, "colours": colours}, separators=(",", ":"), allow_nan=False).replace(
+        "<", "\\u003c"
+    )
     functions = "const {abs,cos,cosh,exp,expm1,log,log1p,max,min,pow,sin,sinh,sqrt,tan,tanh}=Math;"
     script = "\n".join([functions, *(_part(f"{name}.js") for name in SCRIPT)])
     text = _part("index.html")

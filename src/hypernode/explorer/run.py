@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
 from hypernode.data.measurement import measured_displacement, mesh_of
 from hypernode.explorer.forces import force_numbers, sheets_of_one_phase
@@ -54,9 +55,6 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
     posterior = posterior_material(files["constrained"]) if _has_basis(files) else None
     largest = float(summary.get("largest_stretch", evaluation["stretch"].values.max()))
     shown = maps_of(files, material, true)
-    displacements = {"measured": measured_displacement(measurement)}
-    if "constrained" in files:
-        displacements["identified"] = files["constrained"]["u"].values
     strain = evaluation["principal_strain_identified"].values.astype(float)
     return {
         "name": name,
@@ -67,7 +65,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "shape": arrays.add(evaluation["shape"].values),
         "steps": _steps(measurement),
         "maps": [_packed_map(each, arrays) for each in shown],
-        "displacement": {key: arrays.add(np.moveaxis(u, 1, 2)) for key, u in displacements.items()},
+        "displacement": arrays.add(np.moveaxis(_displacement(files), 1, 2)),
         "identified": pack_material(material, mesh.centres, largest, arrays),
         "truth": None if true is None else pack_material(true, mesh.centres, largest, arrays),
         "posterior": None if posterior is None else pack_posterior(posterior, mesh.centres, largest, arrays),
@@ -79,6 +77,13 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "facts": _facts(summary),
         "start": _start(evaluation, mesh),
     }
+
+
+def _displacement(files) -> Float[np.ndarray, "step node 2"]:
+    """That of the equilibrium field, or the measured one with lost points where they are at rest."""
+    if "constrained" in files:
+        return files["constrained"]["u"].values
+    return np.nan_to_num(measured_displacement(files["measurement"]))
 
 
 def _has_basis(files) -> bool:

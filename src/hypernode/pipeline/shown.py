@@ -65,7 +65,8 @@ def explorer_inputs(config: Config, case: str, method: str, cases: list[str]) ->
         files["references"] = f"results/{case}/{method}/references.nc"
         sheets = reference_inputs(config, case)
         files |= {f"sheet_{phase}": file for phase, file in sheets.items() if phase != "identified"}
-    other = explored_runs(config, cases)[case, method]
+    # Any run may be asked for; one that is not listed stands alone.
+    other = explored_runs(config, cases).get((case, method))
     if other is not None:
         files |= {f"beside_{key}": file for key, file in _explored_files(config, case, other).items()}
     return files

@@ -3,12 +3,7 @@
 /** Positions of the nodes at a load step; at rest where it is null. */
 function positions(run, step) {
   if (step === null) return run.nodes;
-  const { identified, measured } = run.displacement;
-  return run.nodes.map((row, axis) => {
-    const of = (u) => u?.[2 * step + axis];
-    // A point that was lost, in a run without a field of its own, stays where it was.
-    return row.map((value, k) => value + (of(identified)?.[k] ?? (of(measured)[k] || 0)));
-  });
+  return run.nodes.map((row, axis) => row.map((value, k) => value + run.displacement[2 * step + axis][k]));
 }
 
 /** Bounds of all positions that any step may show, so that axes stay where they are. */

@@ -55,14 +55,12 @@ function runOf(stream, packed) {
     Float64Array.from({ length: count }, (_, k) =>
       cells.reduce((sum, corner) => sum + nodes[axis][corner[k]] / 4, 0),
     );
-  const displacement = {};
-  for (const [key, entry] of Object.entries(packed.displacement)) displacement[key] = rowsOf(stream, entry);
   return {
     ...packed,
     nodes,
     cells,
     count,
-    displacement,
+    displacement: rowsOf(stream, packed.displacement),
     centres: [mean(0), mean(1)],
     shape: rowsOf(stream, packed.shape)[0],
     seen: rowsOf(stream, packed.seen)[0],
