@@ -8,7 +8,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.data.measurement import mesh_of, relaxation, stress_resultants
-from hypernode.evaluation.references import PHASES
+from hypernode.evaluation.curves import LOCATIONS
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.mechanics.loads import tensile_axis
 
@@ -58,7 +58,7 @@ def sheets_of_one_phase(files: Mapping[str, xr.Dataset]) -> list[dict]:
     for index, label in enumerate(json.loads(references.attrs["load_cases"])):
         phase, name = label.split(": ")
         sheet = files.get(f"sheet_{phase}")
-        if phase not in PHASES or sheet is None or axis is None:
+        if phase not in LOCATIONS or sheet is None or axis is None:
             continue
         steps = references["load_case"].values == index
         elastic = references["edge_force_identified"].values[steps] / relaxation(sheet)

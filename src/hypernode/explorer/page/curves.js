@@ -37,11 +37,11 @@ function sheetSeries() {
     .filter((sheet) => state.direction % 180 === 90 * sheet.axis)
     .flatMap(({ phase, name, clamped, stretch, measured, computed }) => {
       const kind = phase === "matrix" ? "third" : "fourth";
-      const test = `${phase} alone: ${clamped ? "clamped sheet" : "sheet"} ${name}`;
+      const test = `${phase} alone${clamped ? ", clamped" : ""}: ${name}`;
       return [
         { x: stretch, y: numbers(measured), kind, marks: true, every: 1, name: test },
         { x: stretch, y: numbers(computed), kind, thin: true, name: `the same sheet of the ${phase} found` },
-      ];
+      ].filter(({ y }) => y.some(Number.isFinite));
     });
 }
 
