@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws felupe smoke accuracy endurance report bench clean
+.PHONY: all resume verdict test lint unit laws felupe smoke browser accuracy endurance report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -47,6 +47,10 @@ accuracy: $(VENV)/dev
 	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
 	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
 
+# The explorer in Chromium, which the system must have: apt-get install chromium.
+browser: $(VENV)/browser
+	$(BIN)/python -m pytest -q tests/explorer/test_browser.py
+
 # Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
@@ -71,6 +75,10 @@ $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 
 $(VENV)/dev: requirements-dev.txt $(VENV)/run
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+	touch $@
+
+$(VENV)/browser: requirements-browser.txt $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	touch $@
 
 clean:

@@ -22,6 +22,8 @@ from hypernode.pipeline.dag import (
 from hypernode.pipeline.resources import memory, runtime
 from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory
 from hypernode.pipeline.shown import (
+    explored_runs,
+    explorer_inputs,
     figure_inputs,
     figure_runs,
     table_inputs,
@@ -57,6 +59,7 @@ BASELINES = [name for name in METHODS if CONFIG.methods[name].baseline]
 ONLY_PRETRAINED = [name for name in METHODS if only_pretrained(CONFIG, name)]
 FULLY_TRAINED = [name for name in METHODS if name not in (*BASELINES, *ONLY_PRETRAINED)]
 FIGURES = figure_runs(CONFIG, CASES)
+EXPLORED = explored_runs(CONFIG, CASES)
 CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
 
 
@@ -70,6 +73,7 @@ wildcard_constraints:
 localrules:
     all,
     crate,
+    explorer,
     figure,
     table,
 
@@ -86,6 +90,7 @@ TARGETS = [
         for table in CONFIG.tables
         for kind in ("csv", "md", "tex")
     ],
+    *[f"results/{case}/{method}/explorer.html" for case, method in EXPLORED],
 ]
 
 limit_memory(workflow)
@@ -97,6 +102,7 @@ include: "workflow/rules/interpolant.smk"
 include: "workflow/rules/inverse.smk"
 include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/explorer.smk"
 include: "workflow/rules/crate.smk"
 
 

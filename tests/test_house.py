@@ -43,12 +43,17 @@ ALLOWED = {
     },
     "tables": {"errors", "verdict", "mechanics", "storage"},
     "export": {"verdict", "mechanics", "networks", "fem", "data", "material", "evaluation"},
+    "explorer": {
+        *("errors", "verdict", "mechanics", "fem", "data", "material", "evaluation", "storage", "tables"),
+        # Colour maps, so that both have one look.
+        "figures",
+    },
     "pipeline": {"errors", "config", "dic", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
-        *("synthetic", "identification", "training", "evaluation"),
+        *("synthetic", "identification", "training", "evaluation", "explorer"),
     },
-    "commands": {"errors", "verdict", "config", "storage", "inspection", "figures", "tables", "export"},
+    "commands": {"errors", "verdict", "config", "storage", "inspection", "figures", "tables", "export", "stages"},
     "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables", "stages", "commands"},
     "__main__": {"cli"},
     "__init__": {"material"},

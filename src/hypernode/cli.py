@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
@@ -177,7 +178,17 @@ def export_csv(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_export_csv, add_idle)
+COMMANDS = (
+    add_inspect,
+    add_identify,
+    add_explore,
+    add_audit,
+    add_verdict,
+    add_schema,
+    add_export,
+    add_export_csv,
+    add_idle,
+)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -82,6 +82,9 @@ BROKEN = [
     (("cases", "../evil"), BASE["cases"]["a"], r"cases\.\.\./evil: names use letters"),
     (("cases",), {}, r"there is no case"),
     (("figures",), {"f": {"kind": "identification", "case": "b", "method": "m"}}, r"figures\.f\.case = 'b'"),
+    (("explorers",), [{"case": "b", "method": "m"}], r"explorers\.0\.case = 'b': no such entry in cases"),
+    (("explorers",), [{"case": "a", "method": "m", "beside": "n"}], r"explorers\.0\.beside = 'n'.*methods of its case"),
+    (("explorers",), 2 * [{"case": "a", "method": "m"}], r"a/m is listed twice, and a run has one explorer"),
 ]
 
 

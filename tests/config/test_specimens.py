@@ -10,7 +10,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.frames import select_frames
 from hypernode.dic.series import Frame, Series
 from hypernode.pipeline.dag import present_cases
-from hypernode.pipeline.shown import figure_inputs, figure_runs
+from hypernode.pipeline.shown import explored_runs, figure_inputs, figure_runs
 from hypernode.pipeline.sources import specimen_files
 from tests.dic.test_davis import write_frame
 
@@ -34,13 +34,14 @@ def test_two_lines_are_a_whole_configuration(tmp_path):
     assert config.cases["mine"].methods == ["hypernode"] and config.cases["mine"].specimen == "mine"
     figures = figure_runs(config, ["mine"])
     assert [(f.kind, f.case, f.method) for f in figures.values()] == [("identification", "mine", "hypernode")]
+    assert explored_runs(config, ["mine"]) == {("mine", "hypernode"): None}
     assert figure_inputs(config, "mine_hypernode") == {"evaluation": "results/mine/hypernode/evaluation.nc"}
     assert specimen_files(config, "mine")[-1] == str(tmp_path / "force_disp.csv")
 
 
 def test_figures_that_are_written_are_all_there_are(tmp_path):
-    raw = {"specimens": {"mine": {"folder": str(tmp_path), **SIZES}}, "figures": {}}
-    assert check_config(raw).figures == {}
+    raw = {"specimens": {"mine": {"folder": str(tmp_path), **SIZES}}, "figures": {}, "explorers": []}
+    assert check_config(raw).figures == {} and check_config(raw).explorers == []
 
 
 def test_a_specimen_that_a_case_names_is_no_further_case(tmp_path):

@@ -1,8 +1,8 @@
-"""Tables and figures name all that they read, and a run names all that it leaves."""
+"""Tables, figures and explorers name all that they read, and a run names all that it leaves."""
 
 from hypernode.config.loading import check_config
 from hypernode.pipeline.dag import run_benchmarks, run_files, run_stages
-from hypernode.pipeline.shown import table_inputs
+from hypernode.pipeline.shown import explored_runs, explorer_inputs, table_inputs
 from tests.pipeline.test_dag import config_with
 
 
@@ -48,3 +48,20 @@ def test_a_table_of_times_reads_the_benchmarks_of_its_runs_and_other_tables_none
     assert table_inputs(config, "errors", ["a"]) == {
         "results": ["results/a/m/evaluation.nc", "results/a/longer/evaluation.nc"]
     }
+
+
+def test_an_explorer_reads_its_run_the_one_beside_it_and_sheets_of_its_phases():
+    raw = config_with(longer={"training": {"iterations": 9}}).model_dump()
+    raw["explorers"] = [{"case": "a", "method": "longer", "beside": "m"}]
+    config = check_config(raw)
+    assert explored_runs(config, ["a"]) == {("a", "longer"): "m"}
+    assert explored_runs(config, []) == {}
+    own = {
+        "measurement": "results/a/measurement.nc",
+        "truth": "results/a/true_material.nc",
+        "material": "results/a/longer/material.nc",
+        "evaluation": "results/a/longer/evaluation.nc",
+    }
+    beside = {f"beside_{key}": file.replace("longer", "m") for key, file in own.items()}
+    assert explorer_inputs(config, "a", "longer", ["a"]) == own | beside
+    assert explorer_inputs(config, "a", "m", ["a"]) == {key.removeprefix("beside_"): f for key, f in beside.items()}

@@ -31,7 +31,7 @@ def test_a_folder_becomes_a_material_with_a_verdict(request, tmp_path, monkeypat
     assert lines[lines.index(verdict) + 1].strip().startswith(verdict.split()[0] + ":")
     files = [line.removeprefix("written   ") for line in lines if line.startswith("written")]
     figures = [f"results/figures/pull_tiny.{kind}" for kind in ("pdf", "png")]
-    assert files == ["pull.yaml", "results/pull/tiny/material.nc", *figures]
+    assert files == ["pull.yaml", "results/pull/tiny/material.nc", *figures, "results/pull/tiny/explorer.html"]
     assert all((tmp_path / file).is_file() for file in files)
     assert load_material("results/pull/tiny/material.nc").units["stress"] == "MPa"
     assert "steps (100%) done" in err and "SNAKEMAKE" not in out

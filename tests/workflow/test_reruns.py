@@ -11,7 +11,7 @@ import yaml
 
 from hypernode.storage.audit import verify
 from hypernode.storage.netcdf import sha256
-from hypernode.storage.provenance import code_hash, modules_used
+from hypernode.storage.provenance import code_hash, data_read, modules_used
 from hypernode.storage.records import read_record, result_files
 from tests.workflow.running import ROOT, declared, snakemake
 
@@ -97,6 +97,14 @@ def test_the_code_hash_of_a_rule_covers_what_it_imports_and_no_more():
     assert not {"neural_ode.py", "optimisation.py", "reading.py", "equilibrium_solver.py"} & names
     assert "neural_ode.py" in {p.name for p in modules_used(scripts / "training.py")}
     assert code_hash(scripts / "gradient.py") != code_hash(scripts / "training.py")
+
+
+def test_the_code_hash_of_a_rule_covers_the_files_that_its_modules_bring_along():
+    scripts = ROOT / "workflow/scripts"
+    assert {"index.html", "style.css", "mechanics.js"} <= {
+        p.name for p in data_read(modules_used(scripts / "explorer.py"))
+    }
+    assert data_read(modules_used(scripts / "evaluation.py")) == []
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,7 @@ def print_results(arguments, config, specimen: str) -> int:
         for method in case.methods
     ]
     found = read_verdicts(f"results/{run}/evaluation.nc" for run in runs)
-    files = {run: [f"results/{run}/material.nc", *_figures(config, run)] for run in runs}
+    files = {run: [f"results/{run}/material.nc", *_figures(config, run), *_explorers(config, run)] for run in runs}
     if arguments.json:
         print(json.dumps([{"run": run, **each.stored(), "files": files[run]} for run, each in found], indent=1))
     else:
@@ -126,3 +126,8 @@ def _figures(config, run: str) -> list[str]:
         if figure.kind != "comparison" and f"{figure.case}/{figure.method}" == run
         for kind in ("pdf", "png")
     ]
+
+
+def _explorers(config, run: str) -> list[str]:
+    """The explorer of one run, where it has one."""
+    return [f"results/{run}/explorer.html"] * any(f"{each.case}/{each.method}" == run for each in config.explorers)

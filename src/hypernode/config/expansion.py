@@ -1,4 +1,4 @@
-"""What a configuration need not write out: cases of grid blocks and of specimens, and figures of specimens."""
+"""What a configuration need not write out: cases of grid blocks and of specimens, and what is shown of those."""
 
 import itertools
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from hypernode.config.cases import Case, Grid
 from hypernode.config.errors import ConfigError
 from hypernode.config.model import Config
-from hypernode.config.outputs import RunFigure
+from hypernode.config.outputs import ExploredRun, RunFigure
 from hypernode.config.section import NAME
 
 
@@ -48,6 +48,16 @@ def specimen_figures(cases: dict[str, Case]) -> dict[str, RunFigure]:
         if case.specimen
         for method in case.methods
     }
+
+
+def specimen_explorers(cases: dict[str, Case]) -> list[ExploredRun]:
+    """An explorer of every run of a specimen."""
+    return [
+        ExploredRun(case=name, method=method)
+        for name, case in cases.items()
+        if case.specimen
+        for method in case.methods
+    ]
 
 
 def _expand(grid: Grid) -> dict[str, Case]:

@@ -5,7 +5,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from hypernode.config.errors import ConfigError
-from hypernode.config.expansion import all_cases, specimen_figures
+from hypernode.config.expansion import all_cases, specimen_explorers, specimen_figures
 from hypernode.config.model import Config
 from hypernode.config.presets import lineage, presets, resolved_methods
 from hypernode.config.problems import describe, near, written_path
@@ -62,6 +62,7 @@ def _checked(sources: Sources) -> Config:
             "cases": cases,
             "methods": Config.model_validate({"methods": shipped}).methods | config.methods,
             "figures": config.figures if "figures" in raw else specimen_figures(cases),
+            "explorers": config.explorers if "explorers" in raw else specimen_explorers(cases),
         }
     )
     _check_meaning(config, sources)

@@ -2,12 +2,12 @@
 
 from typing import get_args
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from hypernode.config.cases import Case, Grid
 from hypernode.config.geometries import Geometry
 from hypernode.config.methods import Method
-from hypernode.config.outputs import Figure, RunTable, Table
+from hypernode.config.outputs import ExploredRun, Figure, RunTable, Table
 from hypernode.config.section import Section
 from hypernode.config.specimen_tests import SpecimenLoad
 from hypernode.config.specimens import Specimen
@@ -45,6 +45,18 @@ class Config(Section):
     """Figures; left out, one of the identification for every run of a specimen."""
     tables: dict[str, Table] = {}
     """Tables beside ``summary``, which has one row a run."""
+
+    explorers: list[ExploredRun] = []
+    """Runs of which an ``explorer.html`` is written; left out, every run of a specimen."""
+
+    @field_validator("explorers")
+    @classmethod
+    def _one_for_each_run(cls, explorers):
+        runs = [f"{run.case}/{run.method}" for run in explorers]
+        twice = next((run for run in runs if runs.count(run) > 1), None)
+        if twice:
+            raise ValueError(f"{twice} is listed twice, and a run has one explorer; leave it once")
+        return explorers
 
     @model_validator(mode="after")
     def _summary(self):

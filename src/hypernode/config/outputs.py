@@ -57,6 +57,17 @@ class Detection(Section):
     """Patterns of case/method, as file names are matched."""
 
 
+class ExploredRun(Section):
+    """A run of which ``explorer.html`` is written: a page that shows it, and answers at any point of its sheet."""
+
+    case: str
+    """Case of the run."""
+    method: str
+    """Method of the run, one of its case."""
+    beside: str | None = None
+    """Another method of the case, shown beside it."""
+
+
 Figure = Annotated[Union[RunFigure, Comparison, Detection], Field(discriminator="kind")]
 
 

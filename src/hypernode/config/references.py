@@ -40,6 +40,14 @@ def unknown_references(config: Config, methods: list[str]) -> Iterator[Reference
                 yield Reference((*at, "case"), run.case, "cases", list(config.cases))
             elif run.method not in config.cases[run.case].methods:
                 yield Reference((*at, "method"), run.method, "methods of its case", config.cases[run.case].methods)
+    for index, run in enumerate(config.explorers):
+        for key, value in (("case", run.case), ("method", run.method), ("beside", run.beside)):
+            names, section = list(config.cases), "cases"
+            if key != "case":
+                names, section = config.cases[run.case].methods, "methods of its case"
+            if value is not None and value not in names:
+                yield Reference(("explorers", index, key), value, section, names)
+                break
     for name, table in config.tables.items():
         for index, column in enumerate(getattr(table, "columns", [])):
             if column not in COLUMNS[table.kind]:

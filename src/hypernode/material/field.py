@@ -82,6 +82,13 @@ class Material:
 
         return stress, jax.tree.map(by_point, self._params_at(X))
 
+    def stress_law(self, X: Float[Array, "n 2"]):
+        """(P[i, J, point] as a function of (F[i, J, point], params), params at X).
+
+        ``params`` is a tree of arrays; the last axis of each is that of the points, or has one entry that all share.
+        """
+        return self._stress, self._params_at(jnp.asarray(X))
+
 
 def _tangent(stress, F, params):
     """dP_iJ/dF_kL as [i, J, k, L, n], by the derivative in each of the four directions at once."""

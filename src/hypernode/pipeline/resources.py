@@ -67,6 +67,7 @@ NEEDS = {
     "references": Need(800, a_cell=22, minutes_a_state=0.3),
     "figure": Need(700, minutes=3),
     "table": Need(300, minutes=3),
+    "explorer": Need(900, a_cell=40, minutes=3, minutes_a_state=0),
     "crate": Need(500, minutes=10),
 }
 

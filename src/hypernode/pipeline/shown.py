@@ -1,11 +1,11 @@
-"""What figures and tables are made from: which runs each of them shows, and the files of those runs."""
+"""What figures, tables and explorers are made from: which runs each of them shows, and the files of those runs."""
 
 from fnmatch import fnmatch
 
 from hypernode.config.model import Config
 from hypernode.config.outputs import Figure
-from hypernode.pipeline.dag import run_benchmarks, stage_file
-from hypernode.pipeline.sources import truth_input
+from hypernode.pipeline.dag import field_inputs, run_benchmarks, stage_file
+from hypernode.pipeline.sources import reference_inputs, truth_input
 
 
 def _has_references(config: Config, case: str, present) -> bool:
@@ -59,6 +59,37 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
     if figure.kind == "overview":
         files["measurement"] = f"results/{figure.case}/measurement.nc"
     return files
+
+
+def explored_runs(config: Config, cases: list[str]) -> dict[tuple[str, str], str | None]:
+    """(case, method) of every run with an explorer whose case runs, and the method that is shown beside it."""
+    return {(run.case, run.method): run.beside for run in config.explorers if run.case in cases}
+
+
+def explorer_inputs(config: Config, case: str, method: str, cases: list[str]) -> dict[str, str]:
+    """Named inputs of the explorer of a run; those of the one beside it begin with ``beside_``.
+
+    Args:
+        cases: the cases that run.
+    """
+    files = _explored_files(config, case, method)
+    if _has_references(config, case, cases):
+        files["references"] = f"results/{case}/{method}/references.nc"
+        sheets = reference_inputs(config, case)
+        files |= {f"sheet_{phase}": file for phase, file in sheets.items() if phase != "identified"}
+    # Any run may be asked for; one that is not listed stands alone.
+    other = explored_runs(config, cases).get((case, method))
+    if other is not None:
+        files |= {f"beside_{key}": file for key, file in _explored_files(config, case, other).items()}
+    return files
+
+
+def _explored_files(config: Config, case: str, method: str) -> dict[str, str]:
+    return {
+        **field_inputs(config, case, method, "measurement", "constrained"),
+        **truth_input(config, case),
+        **{stage: f"results/{case}/{method}/{stage}.nc" for stage in ("material", "evaluation")},
+    }
 
 
 def table_inputs(config: Config, name: str, cases: list[str]) -> dict[str, list[str]]:

@@ -21,7 +21,13 @@ PROFILES = (
     "https://w3id.org/ro/wfrun/workflow/0.5",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
 )
-FORMATS = {".nc": "application/netcdf", ".pdf": "application/pdf", ".png": "image/png", ".csv": "text/csv"}
+FORMATS = {
+    ".nc": "application/netcdf",
+    ".pdf": "application/pdf",
+    ".png": "image/png",
+    ".csv": "text/csv",
+    ".html": "text/html",
+}
 
 
 FORMATS |= {".md": "text/markdown", ".tex": "application/x-tex", ".py": "text/x-python", ".smk": "text/plain"}

@@ -45,10 +45,18 @@ def modules_used(script: Path) -> list[Path]:
     return sorted(reached)
 
 
+def data_read(modules: list[Path]) -> list[Path]:
+    """Files in folders without modules beside some modules: what a package brings along to read, in a fixed order."""
+    folders = {folder for module in modules for folder in module.parent.iterdir() if folder.is_dir()}
+    kept = (folder for folder in folders if folder.name != "__pycache__" and not any(folder.rglob("*.py")))
+    return sorted(path for folder in kept for path in folder.rglob("*") if path.is_file())
+
+
 def code_hash(script: str | Path) -> str:
-    """SHA-256 over the script and every module of the package that it imports."""
+    """SHA-256 over the script, every module of the package that it imports, and the files that those bring along."""
     digest = hashlib.sha256()
-    for path in modules_used(Path(script)):
+    modules = modules_used(Path(script))
+    for path in [*modules, *data_read(modules)]:
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()

@@ -1,0 +1,1 @@
+"""The explorer: one HTML file in which a sheet is asked for its stress-stretch curve at any point."""

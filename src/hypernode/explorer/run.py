@@ -1,0 +1,132 @@
+"""One run as the page holds it: its verdict, fields, material and numbers."""
+
+import json
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from hypernode.data.measurement import measured_displacement, mesh_of
+from hypernode.explorer.forces import force_numbers, sheets_of_one_phase
+from hypernode.explorer.laws import pack_material, pack_posterior
+from hypernode.explorer.maps import maps_of
+from hypernode.explorer.packing import Arrays
+from hypernode.material.files import material_of, posterior_material
+from hypernode.mechanics.loads import tensile_axis
+from hypernode.storage.netcdf import units_of
+from hypernode.tables.columns import significant
+from hypernode.tables.verdicts import RunVerdict
+from hypernode.verdict import UNMET, Level
+
+#: Bits of the numbers of nodes.
+COUNTING = 24
+#: Number of a summary -> its words, and what it is multiplied by.
+FACTS = {
+    "ending": ("Search for the equilibrium field", None),
+    "displacement_misfit": ("Displacement misfit over its error", 1.0),
+    "force_misfit": ("Force misfit over its error", 1.0),
+    "edge_force_error_identified": ("Edge forces missed by, at most [%]", 100.0),
+    "equilibrium_gap_identified": ("Stress out of equilibrium by, at most [%]", 100.0),
+    "spread": ("Posterior spread of the stiffness [%]", 100.0),
+    "phases_found": ("Phases found", None),
+    "inclusion_over_matrix": ("Stiffness of the inclusion over that of the matrix", 1.0),
+    "stress_error": ("Error of the stress against the truth [%]", 100.0),
+    "dice": ("Dice score of the shape", 1.0),
+}
+
+
+def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
+    """A run as plain data; fields and parameters go into ``arrays``.
+
+    Args:
+        files: opened ``evaluation``, ``material`` and ``measurement``; where there are any ``constrained``, ``truth``,
+            ``references`` and ``sheet_<phase>``, the measurements of the sheets of one phase.
+
+    Raises:
+        ExplorerError: the law of a material has no text.
+        VerdictError: the evaluation holds no verdict.
+    """
+    evaluation, measurement = files["evaluation"], files["measurement"]
+    name, verdict = RunVerdict.of(evaluation)
+    mesh, summary = mesh_of(evaluation), json.loads(evaluation.attrs["summary"])
+    material = material_of(files["material"])
+    true = material_of(files["truth"]) if "truth" in files else None
+    posterior = posterior_material(files["constrained"]) if _has_basis(files) else None
+    largest = float(summary.get("largest_stretch", evaluation["stretch"].values.max()))
+    shown = maps_of(files, material, true)
+    strain = evaluation["principal_strain_identified"].values.astype(float)
+    return {
+        "name": name,
+        "units": units_of(evaluation),
+        "verdict": _verdict(verdict),
+        "nodes": arrays.add(mesh.nodes.T),
+        "cells": arrays.add(mesh.cells.T, COUNTING),
+        "shape": arrays.add(evaluation["shape"].values),
+        "steps": _steps(measurement),
+        "maps": [_packed_map(each, arrays) for each in shown],
+        "displacement": arrays.add(np.moveaxis(_displacement(files), 1, 2)),
+        "identified": pack_material(material, mesh.centres, largest, arrays),
+        "truth": None if true is None else pack_material(true, mesh.centres, largest, arrays),
+        "posterior": None if posterior is None else pack_posterior(posterior, mesh.centres, largest, arrays),
+        "largest": largest,
+        "seen": arrays.add(np.sqrt(1.0 + 2.0 * np.nanmax(strain, axis=0))),
+        "shape_stretch": float(evaluation.attrs["shape_stretch"]),
+        "forces": force_numbers(evaluation),
+        "sheets": sheets_of_one_phase(files),
+        "facts": _facts(summary),
+        "start": _start(evaluation, mesh),
+    }
+
+
+def _displacement(files) -> Float[np.ndarray, "step node 2"]:
+    """That of the equilibrium field, or the measured one with lost points where they are at rest."""
+    if "constrained" in files:
+        return files["constrained"]["u"].values
+    return np.nan_to_num(measured_displacement(files["measurement"]))
+
+
+def _has_basis(files) -> bool:
+    return "constrained" in files and "basis" in files["constrained"].attrs
+
+
+def _verdict(verdict) -> dict:
+    """The level, and every criterion: convergence where it is not met, then the worst first."""
+    ranked = sorted(
+        verdict.criteria,
+        key=lambda c: (c.name not in UNMET or c.level in (Level.PASSED, Level.NOT_JUDGED), -c.level.rank),
+    )
+    criteria = [{"name": c.name, "level": str(c.level), "sentence": c.sentence} for c in ranked]
+    return {"level": str(verdict.overall), "criteria": criteria}
+
+
+def _steps(measurement) -> list[str]:
+    cases, stretches = json.loads(measurement.attrs["load_cases"]), measurement["stretch"].values
+    numbers = measurement["load_case"].values
+    return [f"{cases[number]} {stretch:.4g}" for number, stretch in zip(numbers, stretches, strict=True)]
+
+
+def _packed_map(each, arrays: Arrays) -> dict:
+    words = {key: getattr(each, key) for key in ("key", "title", "unit", "about", "colours", "least")}
+    truth = None if each.truth is None else arrays.add(each.truth)
+    return words | {"values": arrays.add(each.values), "truth": truth}
+
+
+def _facts(summary: Mapping) -> list[list[str]]:
+    """(words, value) of what the summary says."""
+    found = []
+    for key, (words, factor) in FACTS.items():
+        if summary.get(key) is not None:
+            value = summary[key]
+            found.append([words, str(value) if factor is None else significant(factor * float(value))])
+    return found
+
+
+def _start(evaluation, mesh) -> dict:
+    """What is shown first: a point of the inclusion, or of the matrix, pulled as the test was."""
+    places = evaluation["curve_location"].values
+    place = next(place for place in places[::-1] if np.isfinite(place).all())
+    axis = tensile_axis(evaluation.attrs["load"])
+    mode = "shear" if evaluation.attrs["load"] == "shear" else "equibiaxial" if axis is None else "uniaxial"
+    cell = int(np.argmin(np.linalg.norm(mesh.centres - place, axis=1)))
+    return {"cell": cell, "mode": mode, "direction": 90 * (axis or 0)}
