@@ -66,13 +66,15 @@ class Estimate:
     def unlikelihood(self) -> float:
         """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
 
-        That is half the logarithm of the determinant of the covariance that shared errors give to residuals, and what
-        a parameter of the terms costs that is one for all of the sheet, half the logarithm of the number of data
-        (Schwarz, Estimating the dimension of a model, 1978); that it varies costs jumps.
+        That is half the logarithm of the determinant of the covariance of residuals, by their uncertainty and by the
+        errors that they share, and what a parameter of the terms costs that is one for all of the sheet, half the
+        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978); that it varies costs
+        jumps.
         """
         shared = 0.0 if self.linear is None else self.linear.log_determinant
-        number = len(self.problem.basis.names)
-        return self.cost + 0.5 * shared + 0.5 * number * float(np.log(max(self.problem.observed, 1)))
+        number, data = len(self.problem.basis.names), max(self.problem.observed, 1)
+        independent = data * float(np.log(self.problem.sigma))
+        return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data))
 
     @property
     def data_share(self) -> float:
@@ -97,9 +99,12 @@ class Estimate:
 
     @property
     def complete(self) -> bool:
-        """Whether other terms have nothing to add: without noise, since what it hides may be anything."""
-        quiet = not self.problem.noisy and self.data_share < self.problem.strategy.nothing_left
-        return quiet and self.unexplained <= 1.0
+        """Whether other terms have nothing to add.
+
+        Not where noise or cut cells may hide what it is.
+        """
+        hidden = self.problem.noisy or self.problem.blurred
+        return not hidden and self.unexplained <= 1.0 and self.data_share < self.problem.strategy.nothing_left
 
     @property
     def underfitted(self) -> bool:

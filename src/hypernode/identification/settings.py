@@ -147,7 +147,7 @@ class Strategy:
     stiffness_tolerance: float = 3e-3
 
     #: Without fibres a descent ends where it no longer comes closer quickly, as it does not where there are fibres.
-    isotropic_plateaus: tuple[Plateau, ...] = (Plateau(0.1, 3, above=2.0),)
+    isotropic_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3, above=2.0),)
 
     # Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))

@@ -103,7 +103,18 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     found = without_fibres(found, settings, name)
     found = without_outliers(found, settings, name)
     found = perturbed(found, settings, name)
-    return subdivided(found, measurement, settings, name)
+    return likeliest(*(subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))))
+
+
+def rivals(found: Estimate, tried: list[Estimate]) -> list[Estimate]:
+    """Fields of other terms that explain a test as well, as far as what undivided cells miss of it allows to tell.
+
+    Subcells miss less, and tell which terms are right.
+    """
+    if not found.problem.blurred:
+        return []
+    others = [each for each in tried if each.problem.basis.terms != found.problem.basis.terms]
+    return [each for each in others if each.unexplained <= 1.0]
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
