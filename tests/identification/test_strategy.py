@@ -174,6 +174,8 @@ def test_a_second_family_needs_a_first():
         Constrained(terms=["I2"], further_terms=["across"])
     with pytest.raises(ValidationError, match="add I1_squared to terms"):
         Constrained(terms=["fibre"], further_terms=["stiffening", "I1_stiffening"])
+    with pytest.raises(ValidationError, match="add I1_squared to isotropic_terms"):
+        Constrained(terms=["fibre", "I1_squared"], isotropic_terms=["I2", "I1_stiffening"])
     assert Constrained(terms=["fibre"], further_terms=["across"]).further_terms == ["across"]
 
 

@@ -127,10 +127,10 @@ class Constrained(Section):
     @model_validator(mode="after")
     def _first_terms_first(self):
         every = {*self.terms, *self.further_terms}
-        for term, of in (("across", "fibre"), ("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
-            instead = self.isotropic_terms
-            if (term in every and of not in self.terms) or (term in instead and of not in instead):
-                raise ValueError(f"the term {term} says more of the term {of}: add {of} to the same terms")
+        for key, given, known in (("terms", every, self.terms), ("isotropic_terms", *2 * (self.isotropic_terms,))):
+            for term, of in (("across", "fibre"), ("stiffening", "fibre"), ("I1_stiffening", "I1_squared")):
+                if term in given and of not in known:
+                    raise ValueError(f"the term {term} says more of the term {of}: add {of} to {key}")
         if "J" in self.further_terms or ("J" in self.terms and every & {"I2", "ogden"}):
             raise ValueError(
                 "the term J belongs to terms, without I2 and ogden: these need the thickness, which J leaves open"
