@@ -117,20 +117,22 @@ def test_a_workbook_is_no_record_until_it_is_saved_as_a_table(folder):
     assert "save force_disp.xlsx, which is a workbook, as CSV" in refused(folder)
 
 
-def test_a_point_that_the_software_mistook_is_named_by_its_place(folder):
-    def mistaken(number, rows):
-        x, y, u, v = rows[5 * COLUMNS + 4].split(";")
-        return [*rows[: 5 * COLUMNS + 4], f"{x};{y};{float(u) + 60.0};{v}", *rows[5 * COLUMNS + 5 :]]
+def test_a_point_that_the_software_mistook_counts_as_lost_and_several_together_are_named_by_their_place(folder):
+    def mistaken(number, rows, points):
+        for point in points if number == 3 else ():
+            x, y, u, v = rows[point].split(";")
+            rows = [*rows[:point], f"{x};{y};{float(u) + 60.0};{v}", *rows[point + 1 :]]
+        return rows
 
-    write_frames(folder, FIELDS["clamped_y"], change=lambda n, rows: mistaken(n, rows) if n == 3 else rows)
+    one = 5 * COLUMNS + 4
+    write_frames(folder, FIELDS["clamped_y"], change=lambda n, rows: mistaken(n, rows, [one]))
+    seen = inspect(folder, GIVEN)
+    assert not seen.known.missing and seen.sheet.outliers == 1 and np.isnan(seen.sheet.u).sum() == 2
+    assert any("points off what their neighbours say count as lost: 1 in 3 load steps" in note for note in seen.notes)
+    three = [row * COLUMNS + column for row in (4, 5, 6) for column in (3, 4, 5)]
+    write_frames(folder, FIELDS["clamped_y"], change=lambda n, rows: mistaken(n, rows, three))
     said = refused(folder)
-    assert "frame 3 folds the sheet over" in said and "4.5, 5.5 mm from the lower left point" in said
-    write_frames(
-        folder,
-        FIELDS["clamped_y"],
-        change=lambda n, rows: rows[: 5 * COLUMNS + 4] + rows[5 * COLUMNS + 5 :] if n == 3 else rows,
-    )
-    assert not refused(folder)
+    assert "frame 3 folds the sheet over" in said and "mm from the lower left point" in said
 
 
 def test_a_frame_rate_that_is_too_large_leaves_most_of_the_pull_behind(folder):

@@ -145,7 +145,7 @@ def _mistaken(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
         say(
             "import",
             case.test.folder,
-            f"{found.sum()} points of {len(u)} load steps are off what their neighbours say and count as lost, most "
+            f"points off what their neighbours say count as lost: {found.sum()} in {len(u)} load steps, most "
             f"of them ({found[worst].sum()}) in frame {case.numbers[worst]}",
         )
     return found
