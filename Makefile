@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws smoke endurance report bench clean
+.PHONY: all resume verdict test lint unit laws smoke endurance wheel pythons report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -40,6 +40,14 @@ smoke: $(VENV)/dev
 # Ten kills in the middle of a run, and full disks at every stage: a quarter of an hour.
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
+
+# A wheel in new environments without the repository, bare and with the pipeline: 5 minutes.
+wheel: $(VENV)/dev
+	$(BIN)/python -m pytest -q tests/packaging --wheel
+
+# Laws of materials and configurations with every Python from 3.11 on that is here: 3 minutes each.
+pythons: $(VENV)/dev
+	$(BIN)/python -m pytest -q -rs tests/packaging/test_pythons.py --pythons
 
 # The report is made aside and then filed among the results that it shows, with a record as they have.
 report: $(VENV)/run

@@ -12,3 +12,7 @@ jax.config.update("jax_enable_x64", True)
 def pytest_addoption(parser):
     parser.addoption("--smoke", action="store_true", help="also run the whole DAG on a small case")
     parser.addoption("--endurance", action="store_true", help="also kill runs and fill disks, for minutes")
+    parser.addoption("--wheel", action="store_true", help="also install a wheel in new environments, for minutes")
+    parser.addoption(
+        "--pythons", action="store_true", help="also run tests with every Python that is here, for minutes"
+    )

@@ -12,7 +12,9 @@ from pathlib import Path
 
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
+from hypernode.commands.practice import add_practice
 from hypernode.errors import ExpectedError
+from hypernode.installation import needs
 
 
 def add_audit(commands) -> None:
@@ -176,7 +178,7 @@ def export_csv(arguments) -> int:
     return 0
 
 
-COMMANDS = (add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_idle)
+COMMANDS = (add_practice, add_inspect, add_identify, add_audit, add_verdict, add_schema, add_export, add_idle)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -199,4 +201,9 @@ def main(argv=None) -> int:
         return 0
     except (ExpectedError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        if not (sentence := needs(error.name or "")):
+            raise
+        print(f"error: {sentence}", file=sys.stderr)
         return 2
