@@ -16,3 +16,4 @@ def pytest_addoption(parser):
     parser.addoption(
         "--pythons", action="store_true", help="also run tests with every Python that is here, for minutes"
     )
+    parser.addoption("--blocks", action="store_true", help="also run every block of the documentation, for minutes")
