@@ -1,10 +1,11 @@
 # `make` regenerates every result; `make test` checks everything. Both build .venv by themselves.
 PYTHON ?= python3
 VENV := .venv
+DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws smoke endurance wheel pythons report bench clean
+.PHONY: all resume verdict test lint unit laws smoke endurance wheel pythons docs doctest report bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -49,6 +50,14 @@ wheel: $(VENV)/dev
 pythons: $(VENV)/dev
 	$(BIN)/python -m pytest -q -rs tests/packaging/test_pythons.py --pythons
 
+# The documentation in site/; a warning is an error. Figures are those of results/, where it is there.
+docs: $(VENV)/run $(DOCS)/run
+	$(DOCS)/bin/python -m docs.generator --command "$(abspath $(BIN))/hypernode"
+
+# Every block of code in tutorial, guides and README, in copies of the repository: a quarter of an hour.
+doctest: $(VENV)/dev
+	$(BIN)/python -m pytest -q -rs tests/documentation --blocks
+
 # The report is made aside and then filed among the results that it shows, with a record as they have.
 report: $(VENV)/run
 	mkdir -p .cache
@@ -71,5 +80,10 @@ $(VENV)/dev: requirements-dev.txt $(VENV)/run
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
 	touch $@
 
+$(DOCS)/run: requirements-docs.txt constraints.txt
+	$(PYTHON) -m venv $(DOCS)
+	$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -r requirements-docs.txt
+	touch $@
+
 clean:
-	rm -rf results .cache
+	rm -rf results .cache site
