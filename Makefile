@@ -1,10 +1,12 @@
 # `make` regenerates every result; `make test` checks everything. Both build .venv by themselves.
 PYTHON ?= python3
 VENV := .venv
+DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws felupe smoke browser accuracy endurance report bench clean
+.PHONY: all resume verdict test lint unit laws felupe smoke browser accuracy endurance wheel pythons docs doctest report \
+    bench clean
 
 all: $(VENV)/run
 	$(BIN)/snakemake --cores $(CORES)
@@ -55,6 +57,22 @@ browser: $(VENV)/browser
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
 
+# A wheel in new environments without the repository, bare and with the pipeline: 5 minutes.
+wheel: $(VENV)/dev
+	$(BIN)/python -m pytest -q tests/packaging --wheel
+
+# Laws of materials and configurations with every Python from 3.11 on that is here: 3 minutes each.
+pythons: $(VENV)/dev
+	$(BIN)/python -m pytest -q -rs tests/packaging/test_pythons.py --pythons
+
+# The documentation in site/; a warning is an error. Figures are those of results/, where it is there.
+docs: $(VENV)/run $(DOCS)/run
+	$(DOCS)/bin/python -m docs.generator --command "$(abspath $(BIN))/hypernode"
+
+# Every block of code in tutorial, guides and README, in copies of the repository: a quarter of an hour.
+doctest: $(VENV)/dev
+	$(BIN)/python -m pytest -q -rs tests/documentation --blocks
+
 # The report is made aside and then filed among the results that it shows, with a record as they have.
 report: $(VENV)/run
 	mkdir -p .cache
@@ -81,5 +99,10 @@ $(VENV)/browser: requirements-browser.txt $(VENV)/dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
 	touch $@
 
+$(DOCS)/run: requirements-docs.txt constraints.txt
+	$(PYTHON) -m venv $(DOCS)
+	$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -r requirements-docs.txt
+	touch $@
+
 clean:
-	rm -rf results .cache
+	rm -rf results .cache site

@@ -10,16 +10,17 @@ PACKAGE = Path(__file__).resolve().parents[1] / "src" / "hypernode"
 #: a material, then what judges and shows it; stages and the command line join them.
 ALLOWED = {
     "errors": set(),
+    "installation": set(),
     "progress": set(),
     "verdict": set(),
     "mechanics": {"errors"},
     "networks": {"errors"},
     "fem": {"errors", "mechanics"},
-    "storage": {"errors"},
+    "storage": {"errors", "installation"},
     "config": {"errors", "mechanics", "networks", "tables"},
     "data": {"errors", "mechanics", "fem"},
     "material": {"errors", "mechanics", "networks", "config", "storage"},
-    "dic": {"errors", "progress", "mechanics", "fem", "data", "config"},
+    "dic": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "progress", "mechanics", "fem", "data", "config"},
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
@@ -53,8 +54,14 @@ ALLOWED = {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("synthetic", "identification", "training", "evaluation", "explorer"),
     },
-    "commands": {"errors", "verdict", "config", "storage", "inspection", "figures", "tables", "export", "stages"},
-    "cli": {"__init__", "errors", "verdict", "config", "storage", "pipeline", "tables", "stages", "commands"},
+    "commands": {
+        *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
+        *("pipeline", "stages", "storage", "export"),
+    },
+    "cli": {
+        *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),
+        "commands",
+    },
     "__main__": {"cli"},
     "__init__": {"material"},
 }

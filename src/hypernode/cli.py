@@ -14,7 +14,9 @@ from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
+from hypernode.commands.practice import add_practice
 from hypernode.errors import ExpectedError
+from hypernode.installation import needs
 
 
 def add_audit(commands) -> None:
@@ -179,6 +181,7 @@ def export_csv(arguments) -> int:
 
 
 COMMANDS = (
+    add_practice,
     add_inspect,
     add_identify,
     add_explore,
@@ -211,4 +214,9 @@ def main(argv=None) -> int:
         return 0
     except (ExpectedError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        if not (sentence := needs(error.name or "")):
+            raise
+        print(f"error: {sentence}", file=sys.stderr)
         return 2

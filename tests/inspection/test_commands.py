@@ -118,7 +118,12 @@ def test_identify_refuses_what_cannot_be_imported_before_it_writes_or_runs(folde
     assert [path.name for path in tmp_path.iterdir()] == ["pull"]
 
 
-def test_an_installed_package_without_workflow_says_so(folder, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(identify, "ROOT", tmp_path)
+def test_an_installation_without_its_workflow_says_so(folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(identify, "project_folder", lambda: None)
     assert cli.main(["identify", "pull", *WORDS]) == 2
-    assert "this is an installed package without the workflow" in capsys.readouterr().err
+    assert "install the project again" in capsys.readouterr().err
+    monkeypatch.setattr(identify.importlib.util, "find_spec", lambda name: None)
+    assert cli.main(["identify", "pull", *WORDS]) == 2
+    assert capsys.readouterr().err == (
+        'error: snakemake is not installed: it comes with the extra pipeline, pip install "hypernode[pipeline]"\n'
+    )

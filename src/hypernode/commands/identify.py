@@ -9,9 +9,7 @@ from pathlib import Path
 from hypernode.commands.inspect import looked_at, print_report
 from hypernode.commands.options import UsageError, add_folder_options
 from hypernode.errors import ExpectedError
-
-#: Folder of the project, where it is not an installed package.
-ROOT = Path(__file__).resolve().parents[3]
+from hypernode.installation import needs, project_folder
 
 
 class WorkflowError(ExpectedError):
@@ -42,7 +40,7 @@ def run_identify(arguments) -> int:
 
     if arguments.cores < 1:
         raise UsageError(f"--cores {arguments.cores}: one or more")
-    snakefile = workflow(ROOT)
+    snakefile = workflow(project_folder())
     seen = looked_at(arguments)
     if seen.sheet is None:
         print_report(arguments, seen)
@@ -56,21 +54,19 @@ def run_identify(arguments) -> int:
     return print_results(arguments, config, seen.name)
 
 
-def workflow(root: Path) -> Path:
+def workflow(root: Path | None) -> Path:
     """The project's Snakefile.
 
     Raises:
         WorkflowError: there is none, or nothing to run it with.
     """
-    snakefile = root / "Snakefile"
-    if not snakefile.is_file():
-        raise WorkflowError(
-            f"there is no Snakefile in {root}: this is an installed package without the workflow that identifies; "
-            "clone the project's repository and install it from there, pip install -e ."
-        )
     if importlib.util.find_spec("snakemake") is None:
-        raise WorkflowError("snakemake is not installed: pip install -r requirements.txt")
-    return snakefile
+        raise WorkflowError(needs("snakemake"))
+    if root is None or not (root / "Snakefile").is_file():
+        raise WorkflowError(
+            "the Snakefile of the workflow is not where this installation would have put it: install the project again"
+        )
+    return root / "Snakefile"
 
 
 def run_workflow(snakefile: Path, configs: list[Path], cores: int) -> None:

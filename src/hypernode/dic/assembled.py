@@ -11,6 +11,7 @@ from hypernode.dic.folder import MATRIX, numbered
 from hypernode.dic.points import UNITS, Points, points_from
 from hypernode.dic.table import number_in, read_table
 from hypernode.dic.text import read_text, refuse_cut_lines
+from hypernode.installation import needs
 
 
 def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
@@ -106,7 +107,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
     try:
         import h5py
     except ImportError:
-        raise DicError(f"{path}: Ncorr files are read with h5py: pip install -r requirements-ncorr.txt") from None
+        raise DicError(f"{path}: is a file of Ncorr, and {needs('h5py')}") from None
     try:
         with h5py.File(path, "r") as file:
             saved = file["data_dic_save"]

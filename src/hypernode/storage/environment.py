@@ -8,9 +8,10 @@ import re
 from functools import cache
 from pathlib import Path
 
+from hypernode.installation import project_folder
 from hypernode.storage.errors import StorageError
 
-REQUIREMENTS = Path(__file__).resolve().parents[3] / "requirements.txt"
+REQUIREMENTS = (project_folder() or Path()) / "requirements.txt"
 #: They run jobs, describe files and colour text; no number passes through them. What is new is recorded by default.
 NOT_COMPUTING = frozenset({"snakemake", "rocrate", "pygments"})
 #: What a job sets, before JAX is imported, that changes how and in which precision it computes.

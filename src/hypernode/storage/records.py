@@ -15,6 +15,7 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+from hypernode.installation import repository
 from hypernode.storage.environment import processor
 from hypernode.storage.errors import StorageError
 
@@ -55,7 +56,9 @@ def record_of(path: str | Path) -> Path:
 @cache
 def source_state() -> dict[str, str]:
     """Commit of the project and digest of its uncommitted changes; empty outside a repository."""
-    root = Path(__file__).resolve().parents[3]
+    root = repository()
+    if root is None:
+        return {}
 
     def git(*arguments):
         command = ["git", "-C", str(root), *arguments]

@@ -1,0 +1,24 @@
+"""Which pages the site has, in which order, and under which headings."""
+
+#: Heading -> pages, from the folder of the documentation. Pages that are made from the program are among them.
+NAVIGATION = {
+    "Begin": ("tutorial",),
+    "How to": (
+        *("how-to/add-a-case", "how-to/use-your-own-dic-data", "how-to/several-tests", "how-to/forces"),
+        *("how-to/lost-points-holes-and-masks", "how-to/noise", "how-to/read-verdicts", "how-to/export"),
+        *("how-to/resume-after-a-crash", "how-to/audit"),
+    ),
+    "Reference": (
+        *("../config/README", "reference/configuration", "reference/commands", "schema", "reference/interface"),
+        "glossary",
+    ),
+    "Background": ("equations", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
+}
+
+
+def menus() -> str:
+    """The tables of contents that the first page ends with."""
+    blocks = []
+    for heading, pages in NAVIGATION.items():
+        blocks += ["", "```{toctree}", f":caption: {heading}", ":maxdepth: 1", "", *pages, "```"]
+    return "\n".join([*blocks, ""])

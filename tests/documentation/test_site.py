@@ -1,0 +1,104 @@
+"""What the site is made of is complete and leads somewhere."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from docs.generator import configuration, decisions, gallery
+from docs.generator.navigation import NAVIGATION
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMA = json.loads((ROOT / "config/schema.json").read_text())
+#: Pages of the site that are made when it is built.
+MADE = ("reference/configuration", "reference/commands", "reference/interface", "gallery", "decisions/index")
+PAGES = [ROOT / name for name in ("README.md", "CHANGELOG.md", "config/README.md")] + sorted(ROOT.glob("docs/**/*.md"))
+
+
+def test_the_reference_has_every_key_with_its_meaning():
+    page = configuration.page(SCHEMA)
+    for name, entry in SCHEMA["$defs"].items():
+        if name.startswith("Changed"):
+            assert f"### {name}" not in page
+            continue
+        section = page.split(f"### {name}\n")[1].split("\n### ")[0]
+        rows = dict(re.findall(r"^\| `(\w+)` \|.*\|.*\| (.*) \|$", section, re.MULTILINE))
+        assert set(rows) == set(entry.get("properties", {})), name
+        nameless = [
+            key for key, value in entry.get("properties", {}).items() if value.get("description") and not rows[key]
+        ]
+        assert not nameless
+
+
+def test_every_entry_that_is_linked_to_is_there():
+    page = configuration.page(SCHEMA)
+    linked = set(re.findall(r"\(#(config-\w+)\)", page))
+    assert linked and linked <= set(re.findall(r"^\((config-\w+)\)=$", page, re.MULTILINE))
+
+
+def test_what_a_key_may_be_is_said_in_words():
+    entry = {"type": "object", "required": ["a"], "properties": {
+        "a": {"type": "number", "exclusiveMinimum": 0, "maximum": 2},
+        "b": {"anyOf": [{"enum": ["x", "y"]}, {"type": "null"}], "default": None},
+        "c": {"type": "array", "prefixItems": [{"type": "integer"}, {"type": "integer"}], "default": [1, 2]},
+    }}  # fmt: skip
+    page = configuration.page({"properties": {}, "$defs": {"Thing": entry}})
+    assert "| `a` | number above 0 and at most 2 | must be given |" in page
+    assert "| `b` | `x` or `y` or null | `null` |" in page
+    assert "| `c` | list of 2: whole number | `[1, 2]` |" in page
+
+
+def test_every_decision_is_in_the_index_and_a_number_is_given_once(tmp_path):
+    page = decisions.page(ROOT / "docs/decisions")
+    assert all(path.stem in page for path in (ROOT / "docs/decisions").glob("[0-9]*.md"))
+    (tmp_path / "0001-a.md").write_text("# 1. A\n")
+    (tmp_path / "0001-b.md").write_text("# 1. B\n")
+    with pytest.raises(ValueError, match=r"0001-b\.md and 0001-a\.md have one number"):
+        decisions.page(tmp_path)
+    (tmp_path / "0001-b.md").write_text("# 2. B\n")
+    with pytest.raises(ValueError, match=r"begins with '# 2\. B' and not with '# 1\. Title'"):
+        decisions.page(tmp_path)
+
+
+def test_the_gallery_shows_figures_with_the_runs_they_are_of_or_says_that_there_are_none(tmp_path):
+    assert "without results" in gallery.page(tmp_path / "results", tmp_path / "figures")
+    folder = tmp_path / "results/figures"
+    folder.mkdir(parents=True)
+    (folder / "leaf.png").write_bytes(b"png")
+    said = {"parents": {"../leaf/hypernode/evaluation.nc": "0"}, "settings": {"kind": "identification"}}
+    (folder / "leaf.png.json").write_text(json.dumps(said))
+    page = gallery.page(tmp_path / "results", tmp_path / "figures")
+    assert "![leaf](figures/leaf.png)" in page and "Kind `identification`, of `leaf/hypernode`." in page
+    assert (tmp_path / "figures/leaf.png").read_bytes() == b"png"
+
+
+def test_every_page_is_in_the_menu_and_every_entry_of_the_menu_is_a_page():
+    listed = {name for pages in NAVIGATION.values() for name in pages}
+    written = {str(path.relative_to(ROOT / "docs").with_suffix("")) for path in ROOT.glob("docs/**/*.md")}
+    alone = {name for name in written if not name.startswith("decisions/")} - {"index"}
+    assert alone <= listed
+    assert not [name for name in listed - set(MADE) if not (ROOT / "docs" / f"{name}.md").is_file()]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_between_files_lead_somewhere(page):
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text)
+    assert not [link for link in links if "://" not in link and not (page.parent / link).exists()]
+
+
+def test_every_place_that_the_mathematics_names_is_in_the_code():
+    table = (ROOT / "docs/equations.md").read_text().split("## Where it is in the code")[1].split("## References")[0]
+    places = [place for row in table.splitlines()[4:] for place in re.findall(r"`([a-z_]+\.[\w.]+)`", row)]
+    assert len(places) > 10
+    for place in places:
+        *module, name = place.split(".")
+        files = [
+            ROOT / "src/hypernode" / Path(*parts).with_suffix(".py") for parts in ((*module, name), module) if parts
+        ]
+        file = next((path for path in files if path.is_file()), None)
+        assert file, place
+        names = {getattr(node, "name", "") for node in ast.parse(file.read_text()).body}
+        assert file.stem == name or name in names, place
