@@ -28,6 +28,8 @@ MODE_SIZES = np.array([0.08, 0.5, 1.0])
 #: Factor on the random kernel of a new network's last layer: small, so that the start is nearly homogeneous,
 #: and not zero, so that gradients reach the layers below.
 LAST_KERNEL = 0.01
+#: Cells along the longest side from which a hyper-network has the frequencies of its configuration.
+CELLS_RESOLVED = 40.0
 #: Between the seeds of a network and of those that are tried in its place.
 SEEDS_APART = 1000
 
@@ -89,10 +91,18 @@ class InverseProblem:
         """Homogenised parameters, about which the prior is centred."""
         return jnp.asarray(self.inputs["homogenised"]["node_params"].values, jnp.float32)
 
-    @property
+    @functools.cached_property
     def hypernetwork(self) -> str:
-        """Architecture of the hyper-network, as a file holds it."""
-        return self.method.hypernetwork.model_dump_json(include=set(Frequencies.model_fields))
+        """Architecture of the hyper-network, as a file holds it.
+
+        On a grid that is coarser than :data:`CELLS_RESOLVED` its frequencies are as many times smaller: it is trained
+        at the cell centres, and what is finer than the distance between them would be free.
+        """
+        settings = self.method.hypernetwork
+        cells = self.length / np.sqrt(self.mesh.areas.mean())
+        scale = settings.frequency_scale * min(1.0, float(cells) / CELLS_RESOLVED)
+        settings = settings.model_copy(update={"frequency_scale": scale})
+        return settings.model_dump_json(include=set(Frequencies.model_fields))
 
     @functools.cached_property
     def node(self) -> NodeMaterial:
