@@ -157,10 +157,10 @@ class Strategy:
     subcells: int = 2
     most_subcells: int = 16000
     subcells_iterations: int = 12
-    #: Misfit over the error of the description below which that error was assumed too large, and how often it is then
-    #: taken from the misfit.
+    #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
+    #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
-    reestimates: int = 3
+    smallest_reestimate: float = 0.25
 
     #: What a jump of each further parameter counts, against one of the logarithm of the stiffness.
     jump_shares: dict[str, float] = field(

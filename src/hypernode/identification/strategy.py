@@ -212,10 +212,9 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
     settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
     problem = field_problem(measurement, settings, strategy.subcells, strategy)
     found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
-    for _ in range(strategy.reestimates):
-        misfit = float(found.history[-1])
-        if found.problem.noisy or misfit > strategy.overestimated:
-            break
-        problem = field_problem(measurement, settings, strategy.subcells, strategy, misfit * found.problem.sigma)
-        found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
-    return found
+    misfit = float(found.history[-1])
+    if problem.noisy or misfit > strategy.overestimated:
+        return found
+    error = max(misfit, strategy.smallest_reestimate) * problem.sigma
+    problem = field_problem(measurement, settings, strategy.subcells, strategy, error)
+    return descend(problem, settings, name, found, (), settings.tolerance).after(found)
