@@ -120,8 +120,8 @@ class Constrained(Section):
     tolerance: Positive = 2e-4
     """It ends where an iteration lowers the cost by less than this times what noise alone costs."""
     posterior_samples: NonNegativeInt = 0
-    """Fields kept, where the displacements have noise, that the test cannot tell from the best one: they say how
-    uncertain it is."""
+    """Fields kept that the test cannot tell from the best one, by its noise or by what finite elements miss of a
+    measured grid: they say how uncertain it is. None of what was computed on the grid itself, without noise."""
     seed: NonNegativeInt = 0
     """Seed of these fields."""
 

@@ -136,7 +136,7 @@ def descend(
         objective = dataclasses.replace(objective, jump_cost=jump_cost)
     final = JumpCost(finest, settings.jump_scale, isotropic=True)
     objective = dataclasses.replace(objective, jump_cost=final)
-    if problem.noisy:
+    if not problem.certain:
         linear = problem.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma, linear)
     estimate = Estimate(objective, linear, params, states, np.array(history), cost, ending, step)

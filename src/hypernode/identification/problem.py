@@ -89,6 +89,11 @@ class FieldProblem:
         return not self.noisy and not self.observations.own_grid
 
     @property
+    def certain(self) -> bool:
+        """Whether displacements are those of finite elements on this very grid, so that nothing is left to chance."""
+        return not self.noisy and self.observations.own_grid
+
+    @property
     def observed(self) -> int:
         """Number of observed displacements: measured, not prescribed and not lost, over all load steps."""
         return sum(len(boundary.observed) for boundary in self.observations.boundaries)

@@ -34,8 +34,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     F = deformation_gradient(mesh_of(measurement), variables["u"])
     seen, measures = domain_content(Domain.of(F, problem.basis.has_fibres))
     variables |= content | seen
-    # Without noise there is nothing that a test cannot tell apart by chance.
-    if settings.posterior_samples and problem.noisy:
+    if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
