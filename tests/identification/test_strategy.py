@@ -299,5 +299,12 @@ def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough
 
     undivided = descend(field_problem(data, settings), settings, "shifted", None, (), settings.tolerance)
     assert error(np.log(np.exp(found.params[:, 0][parts]).mean(axis=1))) < 0.85 * error(undivided.params[:, 0])
+    # Off the interface the field says how uncertain it is, by what finite elements miss.
+    samples = np.exp(found.objective.posterior_samples(found.linear, found.params, 16, seed=1)[..., 0])
+    relative = np.exp(found.params[:, 0])[parts].mean(axis=1)
+    spread = samples[:, parts].mean(axis=2).std(axis=0, ddof=1) / np.median(relative[share == 0.0])
+    relative /= np.median(relative[share == 0.0])
+    assert (np.abs(relative - (1.0 + share)) < 2.0 * spread)[~cut].mean() > 0.8
+    assert np.median(spread[~cut]) < 0.02
     noisy = identify(believed(data, 1e-2), settings, "shifted")
     assert not noisy.problem.divided, "what noise hides is not looked for"
