@@ -98,6 +98,11 @@ class Estimate:
         return self.unexplained > 1.0 or self.excess > self.problem.strategy.by_chance
 
     @property
+    def overfitted(self) -> bool:
+        """Whether less of noisy displacements is left than their noise ever leaves: noise is explained as well."""
+        return self.excess < -self.problem.strategy.never_so_little
+
+    @property
     def complete(self) -> bool:
         """Whether other terms have nothing to add.
 

@@ -131,6 +131,8 @@ class Strategy:
     #: beyond which it never does.
     by_chance: float = 1.0
     never_by_chance: float = 3.0
+    #: Standard deviations by which it never falls short of that noise. A field has parameters, so that by two it does.
+    never_so_little: float = 5.0
     #: Share of the cost that misfits without noise have where the terms do not contain the material: half and more.
     #: Where they do, a few hundredths.
     much_left: float = 0.3

@@ -29,8 +29,11 @@ from hypernode.verdict import Ending
 
 
 def likeliest(*tried: Estimate) -> Estimate:
-    """The most probable of some estimates; the first of several alike."""
-    return min(tried, key=lambda each: each.unlikelihood)
+    """The most probable of some estimates; the first of several alike.
+
+    One that does not explain the test, or explains its noise as well, is kept only where there is no other.
+    """
+    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.unlikelihood))
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
@@ -85,7 +88,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         plain = with_terms(first, None, strategy.stiffness_plateaus, strategy.stiffness_tolerance)
         tried = [plain]
         if plain.data_share >= strategy.nothing_left:
-            tried = []
+            # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms.
+            alone = problem_of(*first).noisy and not plain.ambiguous
+            tried = [with_terms(first, plain, ())] if alone else []
             if settings.isotropic_terms and "fibre" in settings.terms:
                 tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
             if not any(each.complete for each in tried):
