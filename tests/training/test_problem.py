@@ -8,12 +8,12 @@ import pytest
 
 from hypernode.config.methods import Frequencies
 from hypernode.mechanics.loads import make_load
-from hypernode.training.problem import CELLS_RESOLVED, InverseProblem
+from hypernode.training.problem import LARGEST_FREQUENCY, InverseProblem
 from tests.sheets import sheet
 
 
-@pytest.mark.parametrize(("cells", "share"), [(4, 4 / CELLS_RESOLVED), (48, 1.0)])
-def test_frequencies_shrink_with_the_grid(cells, share):
+@pytest.mark.parametrize(("cells", "scale"), [(4, 4 * LARGEST_FREQUENCY), (48, 7.0)])
+def test_frequencies_are_bounded_by_the_grid(cells, scale):
     lines = np.linspace(0.0, 3.0, cells + 1)
     grid = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
     first = (np.arange(cells) + (cells + 1) * np.arange(cells)[:, None]).ravel()
@@ -25,5 +25,5 @@ def test_frequencies_shrink_with_the_grid(cells, share):
     )
     method = SimpleNamespace(hypernetwork=Frequencies(features=10, frequency_scale=7.0, widths=[4]))
     stored = json.loads(InverseProblem("sheet", method, {"measurement": data}).hypernetwork)
-    assert stored["frequency_scale"] == pytest.approx(7.0 * share)
+    assert stored["frequency_scale"] == pytest.approx(scale)
     assert stored["features"] == 10 and stored["widths"] == [4]

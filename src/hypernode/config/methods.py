@@ -15,8 +15,8 @@ class Frequencies(Section):
     features: Count
     """Number of random frequencies; each gives a sine and a cosine."""
     frequency_scale: Positive
-    """Standard deviation of the frequencies: the larger, the finer what the network can resolve. On fewer than 40 cells
-    a side, those of a hyper-network are as many times smaller."""
+    """Standard deviation of the frequencies: the larger, the finer what the network can resolve. That of a
+    hyper-network is at most 0.175 for each cell along the longest side."""
     widths: list[Count] = Field(min_length=1)
     """Neurons of each hidden layer."""
 

@@ -28,8 +28,9 @@ MODE_SIZES = np.array([0.08, 0.5, 1.0])
 #: Factor on the random kernel of a new network's last layer: small, so that the start is nearly homogeneous,
 #: and not zero, so that gradients reach the layers below.
 LAST_KERNEL = 0.01
-#: Cells along the longest side from which a hyper-network has the frequencies of its configuration.
-CELLS_RESOLVED = 40.0
+#: Largest standard deviation of a hyper-network's frequencies over the number of cells along the longest side: with
+#: twice as much, a network of 18 x 18 cells is right at their centres and wrong by a half between them.
+LARGEST_FREQUENCY = 0.175
 #: Between the seeds of a network and of those that are tried in its place.
 SEEDS_APART = 1000
 
@@ -95,12 +96,12 @@ class InverseProblem:
     def hypernetwork(self) -> str:
         """Architecture of the hyper-network, as a file holds it.
 
-        On a grid that is coarser than :data:`CELLS_RESOLVED` its frequencies are as many times smaller: it is trained
-        at the cell centres, and what is finer than the distance between them would be free.
+        Its frequencies are no larger than the cells are small: it is trained at their centres, and what is finer than
+        the distance between these would be free.
         """
         settings = self.method.hypernetwork
-        cells = self.length / np.sqrt(self.mesh.areas.mean())
-        scale = settings.frequency_scale * min(1.0, float(cells) / CELLS_RESOLVED)
+        cells = float(self.length / np.sqrt(self.mesh.areas.mean()))
+        scale = min(settings.frequency_scale, LARGEST_FREQUENCY * cells)
         settings = settings.model_copy(update={"frequency_scale": scale})
         return settings.model_dump_json(include=set(Frequencies.model_fields))
 
