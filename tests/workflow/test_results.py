@@ -61,7 +61,7 @@ BOUNDS = {
     "seen/tiny_constrained": {"stress_error": (0.25, 0.38), "stress_error_constrained": (0.0, 0.07)},
     "seen/homogeneous": {"stress_error": (0.30, 0.31), "dice": (0.0, 0.0)},
     "seen/equilibrium_gap": {"stress_error": (0.0, 0.08), "dice": (0.98, 1.0)},
-    "seen/updating": {"stress_error": (0.15, 0.22), "dice": (0.98, 1.0)},
+    "seen/updating": {"stress_error": (0.0, 0.06), "dice": (0.98, 1.0)},
 }
 
 
