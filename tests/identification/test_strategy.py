@@ -16,7 +16,7 @@ from hypernode.identification.camera import window_average
 from hypernode.identification.gauss_newton import descend, first_field
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import Plateau
-from hypernode.identification.strategy import identify, without_fibres, without_outliers
+from hypernode.identification.strategy import identify, likeliest, without_fibres, without_outliers
 from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -167,6 +167,27 @@ def test_a_descent_waits_for_further_terms_where_it_is_stuck_above_the_noise_wit
     assert not stuck.reached([0.5 * misfit for misfit in start + still], data_share=0.5, convex_iterations=5), (
         "nothing but noise is left"
     )
+
+
+def test_a_field_that_explains_noise_or_misses_the_test_is_kept_only_where_there_is_no_other():
+    def field(unlikelihood, unexplained=0.5, overfitted=False):
+        return SimpleNamespace(unlikelihood=unlikelihood, unexplained=unexplained, overfitted=overfitted)
+
+    sound, missing, noise = field(10.0), field(1.0, unexplained=1.2), field(2.0, overfitted=True)
+    assert likeliest(missing, noise, sound) is sound
+    assert likeliest(noise, missing) is missing
+    assert likeliest(field(11.0), sound) is sound
+
+
+def test_forces_are_explained_to_two_and_a_half_uncertainties_or_as_far_as_finite_elements_describe_them():
+    data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-3)
+    limits = []
+    for noise in (1e-2, 6e-4):
+        settings = Constrained(terms=["I1_squared"], force_noise=noise, iterations=1)
+        found = descend(field_problem(data, settings), settings, "square", None, (), 0.0)
+        forces = found.misfits["force"]
+        limits.append(forces / dataclasses.replace(found, history=np.zeros(1)).unexplained)
+    assert limits == pytest.approx([2.5, 4.0], rel=1e-6)
 
 
 def test_a_second_family_needs_a_first():

@@ -60,7 +60,10 @@ class Estimate:
     def unexplained(self) -> float:
         """The larger of the two misfits, as they are weighed, over what is still explained: beyond one, it is not."""
         strategy, forces = self.problem.strategy, self.misfits["force"]
-        return max(float(self.history[-1]) / strategy.unexplained, forces / strategy.forces_unexplained)
+        relative = [force.sigma / abs(force.value) for force in self.problem.forces if force.value]
+        described = strategy.forces_described / float(np.median(relative)) if relative else 0.0
+        limit = max(strategy.forces_unexplained, described)
+        return max(float(self.history[-1]) / strategy.unexplained, forces / limit)
 
     @property
     def unlikelihood(self) -> float:

@@ -123,10 +123,11 @@ class Strategy:
     # Judging where a descent stands.
     #: A displacement misfit this close to its noise counts as explained.
     explained: float = 1.05
-    #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained. The
-    #: forces of good fields are missed by one to three uncertainties: a thousandth.
+    #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained; and how
+    #: far finite elements describe forces, over them: those of good fields are missed by a thousandth.
     unexplained: float = 2.0
-    forces_unexplained: float = 4.0
+    forces_unexplained: float = 2.5
+    forces_described: float = 2.4e-3
     #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance, and
     #: beyond which it never does.
     by_chance: float = 1.0
