@@ -44,7 +44,7 @@ felupe: $(VENV)/dev
 smoke: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
-# Many noisy tests of known sheets, without networks, into results/: three quarters of an hour. Fails beyond stated bounds.
+# Many noisy tests of known sheets, without networks, into results/: over an hour. Fails beyond stated bounds.
 accuracy: $(VENV)/dev
 	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
 	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
