@@ -54,6 +54,11 @@ class Criterion:
     value: float | None = None
     threshold: float | None = None
 
+    @property
+    def unmet(self) -> bool:
+        """Whether it warns or fails."""
+        return self.level in (Level.WARNED, Level.FAILED)
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -72,15 +77,19 @@ class Verdict:
 
         Those of the worst level; that a run did not converge is said in any case.
         """
-        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
+        unmet = [c for c in self.criteria if c.unmet]
         blamed = [UNMET.get(c.name, c.name) for c in unmet if c.level is self.overall or c.name in UNMET]
         return f"{self.overall}: {', '.join(blamed)}" if blamed else str(self.overall)
 
     @property
+    def ranked(self) -> list[Criterion]:
+        """All criteria: convergence where it is not met, since all else depends on it, then the worst first."""
+        return sorted(self.criteria, key=lambda c: (not (c.unmet and c.name in UNMET), -c.level.rank))
+
+    @property
     def sentences(self) -> list[str]:
-        """Those of the criteria that are not met: convergence, on which all else depends, then the worst first."""
-        unmet = [c for c in self.criteria if c.level in (Level.WARNED, Level.FAILED)]
-        return [c.sentence for c in sorted(unmet, key=lambda c: (c.name not in UNMET, -c.level.rank))]
+        """Those of the criteria that are not met, in the order of :attr:`ranked`."""
+        return [c.sentence for c in self.ranked if c.unmet]
 
     @classmethod
     def of(cls, stored: Mapping) -> "Verdict":

@@ -16,7 +16,7 @@ from hypernode.identification.camera import window_average
 from hypernode.identification.gauss_newton import descend, first_field
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import Plateau
-from hypernode.identification.strategy import identify, likeliest, without_fibres, without_outliers
+from hypernode.identification.strategy import identify, likeliest, without_fibres, without_stray_cells
 from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -170,8 +170,10 @@ def test_a_descent_waits_for_further_terms_where_it_is_stuck_above_the_noise_wit
 
 
 def test_a_field_that_explains_noise_or_misses_the_test_is_kept_only_where_there_is_no_other():
-    def field(unlikelihood, unexplained=0.5, overfitted=False):
-        return SimpleNamespace(unlikelihood=unlikelihood, unexplained=unexplained, overfitted=overfitted)
+    def field(information_criterion, unexplained=0.5, overfitted=False):
+        return SimpleNamespace(
+            information_criterion=information_criterion, unexplained=unexplained, overfitted=overfitted
+        )
 
     sound, missing, noise = field(10.0), field(1.0, unexplained=1.2), field(2.0, overfitted=True)
     assert likeliest(missing, noise, sound) is sound
@@ -258,7 +260,7 @@ def test_cells_that_went_astray_come_back_from_their_neighbours():
     astray = found.params.copy()
     # How the undisturbed corner stiffens, a biaxial test of two small steps hardly says.
     astray[11, 1] += 1.0
-    back = without_outliers(found.at(astray), settings, "sheet")
+    back = without_stray_cells(found.at(astray), settings, "sheet")
     assert abs(back.params[11, 1] - found.params[11, 1]) < 0.1 and back.cost < found.at(astray).cost
 
 

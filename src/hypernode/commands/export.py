@@ -1,6 +1,5 @@
 """``hypernode export results/CASE/METHOD``: an identified material as files that other programs read."""
 
-import json
 from pathlib import Path
 
 from hypernode.commands.options import UsageError
@@ -105,16 +104,14 @@ def open_run(folder: Path):
     """
     from hypernode.export.run import Run
     from hypernode.storage.netcdf import read
+    from hypernode.storage.run_files import run_files
     from hypernode.tables.verdicts import RunVerdict
 
-    path = folder / "evaluation.nc"
-    evaluation = read(path)
-    name = RunVerdict.of(evaluation, str(path)).run
-    parents = [folder / parent for parent in json.loads(evaluation.attrs["parents"])]
-    files = {parent.stem: read(parent) for parent in parents if parent.suffix == ".nc"}
-    field = files["interpolant" if "interpolant" in files else "gradient"]
-    kept = {key: files[key] for key in ("material", "measurement", "constrained") if key in files}
-    return Run(name, {"evaluation": evaluation, "field": field, **kept})
+    paths = run_files(folder)
+    needed = ("evaluation", "material", "measurement", "constrained")
+    files = {name: read(paths[name]) for name in needed if name in paths}
+    files["field"] = read(paths["interpolant" if "interpolant" in paths else "gradient"])
+    return Run(RunVerdict.of(files["evaluation"], str(paths["evaluation"])).run, files)
 
 
 def _write(folder: Path, files: dict[str, bytes]) -> list[Path]:

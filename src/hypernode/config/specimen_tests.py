@@ -32,6 +32,8 @@ Format = Literal[
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
+#: What a test says of the errors of its forces, and a measurement in the same words.
+FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 #: What selects load steps; only one of them is given.
 SELECTIONS = ("frames", "stretches", "times", "load_steps")
 #: Load steps where none are asked for: as many as in the paper's experiment.

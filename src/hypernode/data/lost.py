@@ -2,8 +2,10 @@
 
 import numpy as np
 import scipy.sparse
+import xarray as xr
 from jaxtyping import Float
 
+from hypernode.data.measurement import measured_displacement, mesh_of
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.nodal_forces import stiffness_matrix
@@ -32,6 +34,17 @@ def filled(mesh: Mesh, u: Float[np.ndarray, "step node 2"]) -> Float[np.ndarray,
             rest = factorise(K[gone][:, gone]).solve(-(K[gone][:, ~gone] @ (field - mean)[~gone]))
             field[gone] = mean[gone] + rest
     return u
+
+
+def sheet_displacement(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Float[np.ndarray, "step node 2"]:
+    """How a sheet is drawn: the displacement of its equilibrium field, or without one the measured one, filled in.
+
+    Args:
+        measurement, constrained: opened files of a run.
+    """
+    if constrained is not None:
+        return constrained["u"].values
+    return filled(mesh_of(measurement), measured_displacement(measurement))
 
 
 def along(x: Float[np.ndarray, " point"], known: Float[np.ndarray, " known"]) -> scipy.sparse.csr_matrix:

@@ -118,7 +118,8 @@ def _at_common_F(files, found, true, kind, F):
     if "constrained" in files:
         field = material_of(files["constrained"])
         P_field = stress_at_common_F(field, mesh.centres, F[observed : observed + 1])[0]
-        judged |= score_networks(P[observed], P_field, mesh.areas)
+        if files["material"].attrs["material_kind"] == "node":
+            judged |= score_networks(P[observed], P_field, mesh.areas)
     if true is None:
         return judged, None
     truth, P_true = files["truth"], stress_at_common_F(true, mesh.centres, F)

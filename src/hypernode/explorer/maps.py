@@ -8,6 +8,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from hypernode.data.measurement import measured_displacement, mesh_of, scatter_of_steps
+from hypernode.evaluation.phases import phase_numbers
 from hypernode.evaluation.probes import SMALLEST_ANISOTROPY, equibiaxial_stress, preferred_direction
 from hypernode.figures.style import ANGLE_MAP, ERROR_MAP, FIELD_MAP, STRAIN_MAP
 from hypernode.material.field import Material
@@ -133,7 +134,7 @@ def _spread(evaluation) -> list[Map]:
 
 def _phases(evaluation, stiffness: Map) -> list[Map]:
     """Distinguishable phases against the true or printed ones, all numbered from 1, the softest."""
-    labels = evaluation["phase_found" if "phase_found" in evaluation else "shape"].values
+    labels = phase_numbers(evaluation)
     known = next((evaluation[name].values for name in ("phase", "shape_true") if name in evaluation), None)
     judged = stiffness.values[0] if stiffness.truth is None else stiffness.truth[0]
     return [

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
 
-from hypernode.data.measurement import measured_displacement, mesh_of
+from hypernode.data.lost import sheet_displacement
+from hypernode.data.measurement import mesh_of
 from hypernode.explorer.forces import force_numbers, sheets_of_one_phase
 from hypernode.explorer.laws import pack_material, pack_posterior
 from hypernode.explorer.maps import maps_of
@@ -17,7 +17,6 @@ from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import units_of
 from hypernode.tables.columns import significant
 from hypernode.tables.verdicts import RunVerdict
-from hypernode.verdict import UNMET, Level
 
 #: Bits of the numbers of nodes.
 COUNTING = 24
@@ -65,7 +64,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "shape": arrays.add(evaluation["shape"].values),
         "steps": _steps(measurement),
         "maps": [_packed_map(each, arrays) for each in shown],
-        "displacement": arrays.add(np.moveaxis(_displacement(files), 1, 2)),
+        "displacement": arrays.add(np.moveaxis(sheet_displacement(measurement, files.get("constrained")), 1, 2)),
         "identified": pack_material(material, mesh.centres, largest, arrays),
         "truth": None if true is None else pack_material(true, mesh.centres, largest, arrays),
         "posterior": None if posterior is None else pack_posterior(posterior, mesh.centres, largest, arrays),
@@ -79,24 +78,13 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
     }
 
 
-def _displacement(files) -> Float[np.ndarray, "step node 2"]:
-    """That of the equilibrium field, or the measured one with lost points where they are at rest."""
-    if "constrained" in files:
-        return files["constrained"]["u"].values
-    return np.nan_to_num(measured_displacement(files["measurement"]))
-
-
 def _has_basis(files) -> bool:
     return "constrained" in files and "basis" in files["constrained"].attrs
 
 
 def _verdict(verdict) -> dict:
-    """The level, and every criterion: convergence where it is not met, then the worst first."""
-    ranked = sorted(
-        verdict.criteria,
-        key=lambda c: (c.name not in UNMET or c.level in (Level.PASSED, Level.NOT_JUDGED), -c.level.rank),
-    )
-    criteria = [{"name": c.name, "level": str(c.level), "sentence": c.sentence} for c in ranked]
+    """The level, and every criterion."""
+    criteria = [{"name": c.name, "level": str(c.level), "sentence": c.sentence} for c in verdict.ranked]
     return {"level": str(verdict.overall), "criteria": criteria}
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of
+from hypernode.data.lost import sheet_displacement
+from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.evaluation.phases import phase_numbers
 from hypernode.fem.mesh import Mesh
 from hypernode.material.field import Material
 from hypernode.material.files import material_of, posterior_material
@@ -68,9 +69,7 @@ class Run:
     @cached_property
     def displacement(self) -> Float[np.ndarray, "step node 2"]:
         """The identified displacement, or the measured one where the method computes none."""
-        if "constrained" in self.files:
-            return self.files["constrained"]["u"].values
-        return filled(self.mesh, measured_displacement(self.files["measurement"]))
+        return sheet_displacement(self.files["measurement"], self.files.get("constrained"))
 
     @property
     def thickness(self) -> Float[np.ndarray, " cell"]:
@@ -86,5 +85,4 @@ class Run:
     @property
     def phase(self) -> np.ndarray:
         """Number of the phase of every cell, from the softest; the sides of the shape where none were looked for."""
-        evaluation = self.files["evaluation"]
-        return evaluation["phase_found" if "phase_found" in evaluation else "shape"].values.astype(int)
+        return phase_numbers(self.files["evaluation"])

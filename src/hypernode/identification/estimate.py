@@ -66,7 +66,7 @@ class Estimate:
         return max(float(self.history[-1]) / strategy.unexplained, forces / limit)
 
     @property
-    def unlikelihood(self) -> float:
+    def information_criterion(self) -> float:
         """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
 
         That is half the logarithm of the determinant of the covariance of residuals, by their uncertainty and by the

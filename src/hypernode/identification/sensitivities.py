@@ -8,6 +8,7 @@ The steps of one test are points of one smooth path, along which the Jacobian gr
 them together say of the curvature, two of them say as well, by a quadrature rule.
 """
 
+import functools
 from itertools import combinations
 
 import numpy as np
@@ -50,6 +51,11 @@ def directions(A: Float[np.ndarray, "residual error"]):
     variance, V = scipy.linalg.eigh(A.T @ A)
     told = variance > NEGLIGIBLE_VARIANCE
     return A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
+
+
+def _quadratic(root: Float[np.ndarray, "parameter error"], change):
+    """root root^T change."""
+    return root @ (root.T @ change)
 
 
 class StepJacobian:
@@ -143,7 +149,6 @@ class Jacobian:
         A = np.concatenate([np.zeros((self.shape[0] - len(force_steps), force_errors.shape[1])), force_errors])
         self._by_errors = self._white_by_step(A)
         self._shared, self._variance = directions(self._by_errors)
-        self._roots = [self._shared_curvature(np.ones(len(steps))), self._shared_curvature(self._shares)]
 
     def _white_by_step(self, residual):
         white = np.empty_like(residual)
@@ -158,6 +163,14 @@ class Jacobian:
         taken = shared * np.sqrt(variance / (1.0 + variance))
         steps = zip(self.steps, self._rows, weights, strict=True)
         return sum(weight * step.adjoint(taken[rows]) for step, rows, weight in steps)
+
+    @functools.cached_property
+    def _of_every_step(self):
+        return self._shared_curvature(np.ones(len(self.steps)))
+
+    @functools.cached_property
+    def _of_weighted_steps(self):
+        return self._shared_curvature(self._shares)
 
     @property
     def log_determinant(self) -> float:
@@ -185,12 +198,11 @@ class Jacobian:
 
     def curvature(self, change):
         """J^T J change, step by step: the factors of one serve twice while they are at hand."""
-        return sum(step.curvature(change) for step in self.steps) - self._taken(0, change)
-
-    def _taken(self, which: int, change):
-        return self._roots[which] @ (self._roots[which].T @ change)
+        return sum(step.curvature(change) for step in self.steps) - _quadratic(self._of_every_step, change)
 
     def nearly_curvature(self, change):
         """:meth:`curvature` by the steps that have a share: a fraction of the time, and as good for a step downhill."""
         used = zip(self._shares, self.steps, strict=True)
-        return sum(share * step.curvature(change) for share, step in used if share > 0.0) - self._taken(1, change)
+        return sum(share * step.curvature(change) for share, step in used if share > 0.0) - _quadratic(
+            self._of_weighted_steps, change
+        )

@@ -33,7 +33,7 @@ def likeliest(*tried: Estimate) -> Estimate:
 
     One that does not explain the test, or explains its noise as well, is kept only where there is no other.
     """
-    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.unlikelihood))
+    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
@@ -89,7 +89,7 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         tried = [plain]
         if plain.data_share >= strategy.nothing_left:
             # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms.
-            alone = problem_of(*first).noisy and not plain.ambiguous
+            alone = plain.problem.noisy and not plain.ambiguous
             tried = [with_terms(first, plain, ())] if alone else []
             if settings.isotropic_terms and "fibre" in settings.terms:
                 tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
@@ -106,7 +106,7 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
             tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(*tried)
     found = without_fibres(found, settings, name)
-    found = without_outliers(found, settings, name)
+    found = without_stray_cells(found, settings, name)
     found = perturbed(found, settings, name)
     return likeliest(*(subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))))
 
@@ -167,7 +167,7 @@ def without_fibres(found: Estimate, settings: Constrained, name: str) -> Estimat
     return _nearly(found, params, settings, name)
 
 
-def without_outliers(found: Estimate, settings: Constrained, name: str) -> Estimate:
+def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
     """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
 
     Cells of which the test says little stay where an early iteration left them, and under other deformations they are

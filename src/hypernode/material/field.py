@@ -74,13 +74,15 @@ class Material:
             (P(F[2, 2], values) of one point, values of all points: a pytree of arrays (n, ...)).
         """
 
+        law, params = self.stress_law(X)
+
         def by_point(values):
             return jnp.moveaxis(jnp.broadcast_to(values, (*values.shape[:-1], len(X))), -1, 0)
 
         def stress(F, values):
-            return self._stress(F[..., None], jax.tree.map(lambda each: each[..., None], values))[..., 0]
+            return law(F[..., None], jax.tree.map(lambda each: each[..., None], values))[..., 0]
 
-        return stress, jax.tree.map(by_point, self._params_at(X))
+        return stress, jax.tree.map(by_point, params)
 
     def stress_law(self, X: Float[Array, "n 2"]):
         """(P[i, J, point] as a function of (F[i, J, point], params), params at X).

@@ -5,10 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hypernode.explorer.page import explorer_page
-from hypernode.storage.netcdf import StorageError, read, write_bytes_atomically
+from hypernode.storage.netcdf import read, write_bytes_atomically
+from hypernode.storage.run_files import run_files
 
-#: Name of a result file -> what the page calls it.
+#: Result file -> what the page calls it.
 _NAMES = {
+    "evaluation": "evaluation",
     "measurement": "measurement",
     "constrained": "constrained",
     "material": "material",
@@ -47,14 +49,7 @@ def files_of(folder: Path) -> dict[str, str]:
     Raises:
         StorageError: the folder has no evaluation, or a file that it needs is gone.
     """
-    evaluation = folder / "evaluation.nc"
-    if not evaluation.is_file():
-        raise StorageError(f"{folder}: holds no evaluation.nc; name results/CASE/METHOD of a finished run")
-    parents = [folder / parent for parent in json.loads(read(evaluation).attrs["parents"])]
-    files = {_NAMES[path.stem]: path for path in parents if path.stem in _NAMES} | {"evaluation": evaluation}
-    for key in ("material", "measurement"):
-        if not files[key].is_file():
-            raise StorageError(f"{files[key]}: no such file, and {evaluation} was computed from it: run again")
+    files = {_NAMES[name]: path for name, path in run_files(folder).items() if name in _NAMES}
     references = folder / "references.nc"
     if references.is_file():
         files["references"] = references

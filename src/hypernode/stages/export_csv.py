@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from hypernode.config.specimen_tests import FORCE_ERRORS
 from hypernode.config.yaml_text import yaml_value
 from hypernode.data.measurement import displacement_noise, mesh_of
 from hypernode.dic.errors import DicError
@@ -15,8 +16,6 @@ from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, units_of
 
 #: Frames in a second of an export, whose frames are the load steps: the clock counts them.
 FRAME_RATE = 1.0
-#: What a specimen and a measurement say alike of the errors of forces.
-FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 #: Share of a side by which steps of an equidistant grid may differ: the rounding of its lines.
 EQUIDISTANT = 1e-9
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from hypernode.config.model import Config
+from hypernode.config.specimen_tests import FORCE_ERRORS
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, sha256, write
 from hypernode.synthetic.geometry import make_shape
@@ -10,8 +11,6 @@ from hypernode.synthetic.geometry import make_shape
 #: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
 #: of known noise scatter by as much.
 NOISE_UNCERTAINTY = 0.05
-#: What a test of a specimen says of the errors of its forces.
-FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 
 
 def run(config: Config, name: str, output: str, attributes: dict) -> None:
