@@ -65,7 +65,8 @@ class Observations:
         sigma: standard deviation of u, of noise and finite elements together, root mean square of all.
         scatter: what is expected of the root mean square of u's errors over sigma: 1 where errors are independent, less
             where points or steps share them, so that each is weighed as a larger one.
-        noisy: whether noise is the larger of the two.
+        noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
+        contested: whether it rules though it is the smaller of the two.
         noise_uncertainty: relative uncertainty of that noise.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
@@ -83,6 +84,7 @@ class Observations:
     sigma: float
     scatter: float
     noisy: bool
+    contested: bool
     noise_uncertainty: float
     own_grid: bool
     window: float
@@ -114,6 +116,8 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     u = filled(grid, measured)
     noise, window = displacement_noise(measurement), float(measurement.attrs["correlation_window"])
     own_grid = is_on_its_own_grid(measurement)
+    # Of undivided cells that interfaces cut the error is known to a factor alone.
+    rules = strategy.noise_rules if floor is None and subcells == 1 and not own_grid else 1.0
     if floor is None:
         floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     cut = is_cut_out(measurement)
@@ -123,7 +127,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
     seen = window_average(refinement.mesh, window)[at_points.ravel()]
     levels = noise_of_steps(measurement)
-    noisy = bool(noise >= floor)
+    noisy = bool(noise >= rules * floor)
     # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them.
     beside = floor if own_grid or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
@@ -143,6 +147,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         sigma,
         scatter,
         noisy,
+        noisy and noise < floor,
         noise_uncertainty(measurement),
         own_grid,
         window,

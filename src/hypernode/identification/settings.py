@@ -164,6 +164,9 @@ class Strategy:
     #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
     smallest_reestimate: float = 0.25
+    #: Noise rules from this share of the assumed error of the description on, which is known to that factor only. Where
+    #: the test cannot be explained so, from that error on.
+    noise_rules: float = 0.25
 
     #: What a jump of each further parameter counts, against one of the logarithm of the stiffness.
     jump_shares: dict[str, float] = field(

@@ -13,6 +13,7 @@ anywhere and noise does not hide them, cells are then divided.
 
 import functools
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,7 +41,8 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     """The material field that explains a measurement, or comes nearest to it; see :func:`_identified`.
 
     Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
-    deformation: then each counts as an independent one.
+    deformation: then each counts as an independent one. Where noise does not explain what may as well be the error of
+    finite elements, that error counts beside it.
 
     Args:
         measurement: an opened measurement.
@@ -55,6 +57,9 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         found = _identified(with_independent_errors(measurement), settings, name, strategy)
+    if found.problem.observations.contested and found.unexplained > 1.0:
+        say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
+        found = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
     _warn(found, settings, name)
     return found
 
@@ -88,8 +93,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         plain = with_terms(first, None, strategy.stiffness_plateaus, strategy.stiffness_tolerance)
         tried = [plain]
         if plain.data_share >= strategy.nothing_left:
-            # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms.
-            alone = plain.problem.noisy and not plain.ambiguous
+            # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms; not where
+            # interfaces cut cells, which as mixtures are no such material.
+            alone = plain.problem.noisy and plain.problem.observations.own_grid and not plain.ambiguous
             tried = [with_terms(first, plain, ())] if alone else []
             if settings.isotropic_terms and "fibre" in settings.terms:
                 tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
