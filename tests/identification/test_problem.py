@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from hypernode.config.methods import Constrained
+from hypernode.fem.transfer import transfer
 from hypernode.identification.problem import field_problem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import quadrature
@@ -21,7 +22,7 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, subcells):
     data, _, params = sheet(5, square, make_load(kind, [1.1, 1.2]), noise=1e-3, window=window)
     data = data.assign_attrs(force_gain_uncertainty=0.01, force_offset_uncertainty=0.003)
     problem = field_problem(data, Constrained(terms=["I1_squared"]), subcells, strategy)
-    params, _ = problem.inherited(params, [])
+    params = params[transfer(problem.observations.grid, problem.mesh).cells]
     rng = np.random.default_rng(2)
     params = params + rng.normal(0.0, 0.1, params.shape)
     change = rng.normal(0.0, 1.0, params.size)

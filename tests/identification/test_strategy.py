@@ -13,10 +13,12 @@ from pydantic import ValidationError
 from hypernode.config.methods import Constrained, Node
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.camera import window_average
+from hypernode.identification.estimate import likeliest
 from hypernode.identification.gauss_newton import descend, first_field
+from hypernode.identification.other_minima import without_fibres, without_stray_cells
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import Plateau
-from hypernode.identification.strategy import identify, likeliest, without_fibres, without_stray_cells
+from hypernode.identification.settings import STRATEGY, Plateau
+from hypernode.identification.strategy import identify
 from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -36,6 +38,20 @@ def test_a_stiff_square_is_found_again_from_noisy_displacements():
     assert level[inside].mean() - level[~inside].mean() == pytest.approx(np.log(2.0), abs=0.1)
     assert ((level > 0.5 * (level[inside].mean() + level[~inside].mean())) == inside).mean() > 0.97
     assert true.shape == params.shape
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.0, 5e-4])
+def test_a_grid_of_many_cells_begins_from_the_field_of_every_second_line_and_finds_the_same(noise, capsys):
+    data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=noise)
+    strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
+    found = identify(data, Constrained(terms=["I1_squared"]), "square", strategy)
+    assert "36 cells of every second grid line first" in capsys.readouterr().err
+    assert found.unexplained < 1.0 and len(found.params) == 144
+    level, inside = found.params[:, 0], square(mesh.centres)
+    assert ((level > 0.5 * (level[inside].mean() + level[~inside].mean())) == inside).all()
+    if noise == 0.0:
+        assert np.abs(found.params - true).max() < 0.02
 
 
 @pytest.mark.slow

@@ -132,3 +132,11 @@ class Estimate:
     def after(self, *earlier: "Estimate") -> "Estimate":
         """The same with the history of the descents that led to its start before its own."""
         return dataclasses.replace(self, history=np.concatenate([*(each.history for each in earlier), self.history]))
+
+
+def likeliest(*tried: Estimate) -> Estimate:
+    """The most probable of some estimates; the first of several alike.
+
+    One that does not explain the test, or explains its noise as well, is kept only where there is no other.
+    """
+    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))

@@ -6,6 +6,7 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.errors import ExpectedError
+from hypernode.fem.transfer import transfer
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
@@ -39,8 +40,9 @@ def first_field(problem: FieldProblem, before: Estimate | None):
     # Other terms of the homogeneous fit are stiffness too; only the differences between cells are kept.
     known = [names.index(name) for name in before.problem.basis.names]
     found, u = before.params, [state.u for state in before.states]
-    if problem.divided and not before.problem.divided:
-        found, u = problem.inherited(found, u)
+    if len(before.problem.mesh.cells) != cells:
+        onto = transfer(before.problem.mesh, problem.mesh)
+        found, u = found[onto.cells], [onto.nodes @ each for each in u]
     params[:, known] = problem.homogeneous.params[known] + (found - before.problem.homogeneous.params)
     return params, centre, u
 
@@ -49,7 +51,9 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
     """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
     strategy = problem.strategy
     ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, strategy.ridge**2), len(centre))
-    unit = np.sqrt(problem.observations.grid.areas.mean())
+    # On finer grids a length of interface costs what it does on the finest that is not begun from a coarser one.
+    areas = problem.observations.grid.areas
+    unit = np.sqrt(areas.sum() / min(len(areas), strategy.most_cells_at_once))
     regulariser = Regulariser(problem.mesh, problem.basis.names, unit, problem.stiffness, strategy)
     cost = JumpCost(strategy.smallest_jump, scale)
     return Objective(problem, regulariser, settings.regulariser_weight, cost, ridge, centre.ravel(), strategy)
@@ -71,8 +75,8 @@ def descend(
     Args:
         settings: configuration of the stage.
         name: case, for progress and messages.
-        before: what a descent found with these terms or fewer, of these cells or of those that they divide, to begin
-            from; the homogeneous sheet without it.
+        before: what a descent found with these terms or fewer, on this mesh or on a coarser one, to begin from; the
+            homogeneous sheet without it.
         plateaus: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
@@ -91,8 +95,10 @@ def descend(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the prescribed edges "
             "smooth, and is every load step one state of the same test?"
         )
-    # What was found before has its jumps already: nothing is gained by making them cost more again.
-    objective = _objective(problem, settings, centre, None if before is None else settings.jump_scale)
+    # What was found before has its jumps already: nothing is gained by making them cost more again. On a finer grid
+    # they are near their places only, and jumps that cost their size find these.
+    jumps = before is not None and (problem.divided or len(before.params) == len(params))
+    objective = _objective(problem, settings, centre, settings.jump_scale if jumps else None)
     # There is nothing to sharpen yet where other terms follow for certain.
     sharpen = problem.sharp and tolerance <= settings.tolerance
     finest = strategy.sharp_jump if sharpen else strategy.smallest_jump

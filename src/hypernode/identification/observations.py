@@ -37,7 +37,7 @@ class Boundary:
     Attributes:
         mask: which components of which nodes are prescribed (node, 2), on the mesh of the subcells.
         values: their displacement (node, 2).
-        errors: errors of these values (degree of freedom, independent standard normal number).
+        errors: errors of these values (degree of freedom, independent standard normal number); none but edges have any.
         prescribed, free: their degrees of freedom, and all others.
         observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points.
         observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
@@ -46,7 +46,7 @@ class Boundary:
 
     mask: np.ndarray
     values: np.ndarray
-    errors: np.ndarray
+    errors: scipy.sparse.csr_matrix
     prescribed: np.ndarray
     free: np.ndarray
     observed: np.ndarray
@@ -169,7 +169,7 @@ def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative
     return Boundary(
         mask,
         between @ edges.values,
-        both @ edges.errors,
+        both @ scipy.sparse.csr_matrix(edges.errors),
         np.flatnonzero(mask.ravel()),
         np.flatnonzero(~mask.ravel()),
         observed,

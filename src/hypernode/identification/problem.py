@@ -122,12 +122,6 @@ class FieldProblem:
         value, derivative = self._stiffness(params)
         return np.asarray(value), np.asarray(derivative)
 
-    def inherited(self, params: Float[np.ndarray, "cell parameter"], u: list[np.ndarray]):
-        """(parameters, displacements of every step) of the measured cells, on the mesh of their subcells."""
-        inherited = np.empty((len(self.mesh.cells), params.shape[1]))
-        inherited[self.refinement.subcells] = params[:, None]
-        return inherited, [self.refinement.interpolation @ each for each in u]
-
     def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
         """(misfit of the observed displacements by step, misfit of the forces over their uncertainty)."""
         each = zip(self.observations.boundaries, states, strict=True)

@@ -77,7 +77,7 @@ class StepJacobian:
         free: free degrees of freedom.
         observe: observed displacements over their uncertainty from all of them.
         forces: direction (degree of freedom,) and uncertainty of every measured resultant.
-        errors: errors of the prescribed displacements (degree of freedom, independent standard normal number).
+        errors: errors of the prescribed displacements (degree of freedom, independent standard normal number), sparse.
     """
 
     def __init__(self, K, B, free, observe, forces, errors):
@@ -90,9 +90,8 @@ class StepJacobian:
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
         self.observed, self.parameters = observe.shape[0], B.shape[1]
-        prescribed = np.flatnonzero(errors.any(axis=1))
-        du = errors.copy()
-        du[free] = -self.factor.solve(rows[:, prescribed] @ errors[prescribed])
+        du = errors.toarray()
+        du[free] = -self.factor.solve((rows @ errors).toarray())
         A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
         self._shared, self.variance = directions(A)
 

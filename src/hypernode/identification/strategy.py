@@ -15,26 +15,17 @@ import functools
 import sys
 from dataclasses import replace
 
-import numpy as np
-
 from hypernode.config.methods import Constrained
+from hypernode.data.coarsening import coarsened
 from hypernode.data.measurement import with_independent_errors
-from hypernode.identification.estimate import Estimate
+from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
+from hypernode.identification.other_minima import perturbed, without_fibres, without_stray_cells
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
-from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
 from hypernode.verdict import Ending
-
-
-def likeliest(*tried: Estimate) -> Estimate:
-    """The most probable of some estimates; the first of several alike.
-
-    One that does not explain the test, or explains its noise as well, is kept only where there is no other.
-    """
-    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
@@ -86,7 +77,14 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = strategy.further_plateaus if settings.further_terms else ()
-    if settings.terms == first:
+    coarse = on_coarser_grid(measurement, settings, name, strategy)
+    if coarse is not None:
+        tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
+        # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
+        doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
+        if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
+            tried.append(with_terms(settings.terms, tried[0], further))
+    elif settings.terms == first:
         tried = [with_terms(first, None, further)]
         plain = tried[0]
     else:
@@ -113,8 +111,22 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         found = likeliest(*tried)
     found = without_fibres(found, settings, name)
     found = without_stray_cells(found, settings, name)
-    found = perturbed(found, settings, name)
+    if coarse is None:
+        found = perturbed(found, settings, name)
     return likeliest(*(subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))))
+
+
+def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate | None:
+    """The field of every second grid line, which a grid of many cells begins from; None where there are few.
+
+    Where interfaces are, and which terms there are, a coarse grid tells in a fraction of the time; the finer one moves
+    interfaces by parts of a coarse cell.
+    """
+    if measurement.sizes["cell"] <= strategy.most_cells_at_once:
+        return None
+    coarse = coarsened(measurement)
+    say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
+    return _identified(coarse, settings, name, replace(strategy, most_subcells=0))
 
 
 def rivals(found: Estimate, tried: list[Estimate]) -> list[Estimate]:
@@ -144,67 +156,6 @@ def _warn(found: Estimate, settings: Constrained, name: str) -> None:
             f"allow more iterations than {settings.iterations}, or doubt what depends on its last digits",
             file=sys.stderr,
         )
-
-
-def _nearly(found: Estimate, params, settings: Constrained, name: str) -> Estimate:
-    """The more probable of ``found`` and where a descent from ``params`` ends.
-
-    It is tried if these cost hardly more than ``found`` does: no more than noise changes costs by chance.
-    """
-    problem = found.problem
-    other = found.at(params)
-    if other is None or other.cost - found.cost > problem.strategy.by_chance * np.sqrt(problem.cost_of_noise):
-        return found
-    reached = descend(problem, settings, name, other, (), settings.tolerance)
-    return likeliest(found, reached.after(found))
-
-
-def without_fibres(found: Estimate, settings: Constrained, name: str) -> Estimate:
-    """Where a descent without fibres ends, if a noisy test does not tell of them and that field is the more probable.
-
-    A descent begins with weak fibres, which noise may strengthen where they hardly carry anything; only under other
-    loads would they.
-    """
-    fibre = [k for k, key in enumerate(found.problem.basis.names) if key in FIBRE_VECTOR]
-    if not found.problem.sharp or not found.params[:, fibre].any():
-        return found
-    params = found.params.copy()
-    params[:, fibre] = 0.0
-    return _nearly(found, params, settings, name)
-
-
-def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
-    """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
-
-    Cells of which the test says little stay where an early iteration left them, and under other deformations they are
-    what is most wrong. Not where it says so much of each that the medians do not explain it, as it does without noise,
-    nor through a correlation window, where cells in between are something else.
-    """
-    while found.problem.sharp:
-        better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
-        if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
-            return better
-        found = better
-    return found
-
-
-def perturbed(found: Estimate, settings: Constrained, name: str) -> Estimate:
-    """The best of what descents lead to that begin at ``found`` after jumps have cost something else for a while.
-
-    Only where noise makes minima, and not through a correlation window, where what is gained is not worth the time.
-    """
-    if not found.problem.sharp:
-        return found
-    for change in found.problem.strategy.perturbations:
-        other = {
-            "regulariser_weight": change.weight * settings.regulariser_weight,
-            "jump_scale": change.scale * settings.jump_scale,
-            "iterations": min(change.iterations, settings.iterations),
-        }
-        away = descend(found.problem, settings.model_copy(update=other), name, found, (), 0.0)
-        back = descend(found.problem, settings, name, away, (), settings.tolerance)
-        found = likeliest(found, back.after(found, away))
-    return found
 
 
 def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -> Estimate:

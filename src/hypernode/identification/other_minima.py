@@ -1,0 +1,69 @@
+"""Better fields near one that a descent found, where noise makes many minima."""
+
+import numpy as np
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.estimate import Estimate, likeliest
+from hypernode.identification.gauss_newton import descend
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+
+
+def _nearly(found: Estimate, params, settings: Constrained, name: str) -> Estimate:
+    """The more probable of ``found`` and where a descent from ``params`` ends.
+
+    It is tried if these cost hardly more than ``found`` does: no more than noise changes costs by chance.
+    """
+    problem = found.problem
+    other = found.at(params)
+    if other is None or other.cost - found.cost > problem.strategy.by_chance * np.sqrt(problem.cost_of_noise):
+        return found
+    reached = descend(problem, settings, name, other, (), settings.tolerance)
+    return likeliest(found, reached.after(found))
+
+
+def without_fibres(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """Where a descent without fibres ends, if a noisy test does not tell of them and that field is the more probable.
+
+    A descent begins with weak fibres, which noise may strengthen where they hardly carry anything; only under other
+    loads would they.
+    """
+    fibre = [k for k, key in enumerate(found.problem.basis.names) if key in FIBRE_VECTOR]
+    if not found.problem.sharp or not found.params[:, fibre].any():
+        return found
+    params = found.params.copy()
+    params[:, fibre] = 0.0
+    return _nearly(found, params, settings, name)
+
+
+def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
+
+    Cells of which the test says little stay where an early iteration left them, and under other deformations they are
+    what is most wrong. Not where it says so much of each that the medians do not explain it, as it does without noise,
+    nor through a correlation window, where cells in between are something else.
+    """
+    while found.problem.sharp:
+        better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
+        if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
+            return better
+        found = better
+    return found
+
+
+def perturbed(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """The best of what descents lead to that begin at ``found`` after jumps have cost something else for a while.
+
+    Only where noise makes minima, and not through a correlation window, where what is gained is not worth the time.
+    """
+    if not found.problem.sharp:
+        return found
+    for change in found.problem.strategy.perturbations:
+        other = {
+            "regulariser_weight": change.weight * settings.regulariser_weight,
+            "jump_scale": change.scale * settings.jump_scale,
+            "iterations": min(change.iterations, settings.iterations),
+        }
+        away = descend(found.problem, settings.model_copy(update=other), name, found, (), 0.0)
+        back = descend(found.problem, settings, name, away, (), settings.tolerance)
+        found = likeliest(found, back.after(found, away))
+    return found
