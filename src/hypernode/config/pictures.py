@@ -26,7 +26,7 @@ class Speckle(Section):
 class Pictures(Section):
     """Pictures of a synthetic test, in grey levels of eight bits."""
 
-    pixels: Annotated[int, Field(ge=64)] = 500
+    pixels: Annotated[int, Field(ge=64)] = 420
     """Pixels along the longer side of the sheet at rest."""
     margin: Annotated[int, Field(ge=4)] = 20
     """Pixels between the sheet, where it is stretched most, and the edge of the picture."""
