@@ -57,7 +57,7 @@ ALLOWED = {
     },
     "commands": {
         *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
-        *("pipeline", "stages", "storage", "export"),
+        *("pipeline", "stages", "storage", "export", "pictures"),
     },
     "cli": {
         *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),

@@ -1,1 +1,1 @@
-"""Pictures of a sheet: the speckle on it, what a camera records of it, and what image correlation reads from them."""
+"""Pictures of a test: how they are made of a known one, and how points are followed through them."""
