@@ -1,4 +1,4 @@
-"""A photographed sheet becomes a measurement as a real one does: cut out, with its forces' share, and beside its truth."""
+"""A photographed sheet becomes a measurement as a real one does: cut out, with a share of the force, and its truth."""
 
 import json
 from dataclasses import replace

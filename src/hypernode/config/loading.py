@@ -111,6 +111,10 @@ def _check_meaning(config: Config, sources: Sources) -> None:
         at = ".".join(map(str, path))
         hint = f"{near(name, names)}\n    allowed: {', '.join(names) or '(none)'}"
         raise ConfigError(f"{sources.where(*path)}: {at} = {name!r}: no such entry in {section}{hint}")
+    for name, figure in config.figures.items():
+        if figure.kind == "pictures" and not config.cases[figure.case].photographed:
+            where = sources.where("figures", name, "case")
+            raise ConfigError(f"{where}: figures.{name}.case = {figure.case!r}: its camera takes no pictures")
     for name, geometry in config.geometries.items():
         if geometry.shape == "image" and not Path(geometry.path).is_file():
             where = sources.where("geometries", name, "path")
@@ -170,7 +174,7 @@ def _check_photographed(config: Config, case: Case, where: str) -> None:
     if furthest > camera.correlated.reach:
         raise ConfigError(
             f"{where}.camera.correlation.reach = {camera.correlated.reach}: a corner of the sheet moves by "
-            f"{furthest:.0f} pixels: set reach to {math.ceil(1.1 * furthest)}, or incremental: true"
+            f"{furthest:.0f} pixels: set reach to {math.ceil(round(furthest, 6))} or more, or incremental: true"
         )
 
 
