@@ -50,7 +50,7 @@ ALLOWED = {
         # Colour maps, so that both have one look.
         "figures",
     },
-    "pipeline": {"errors", "config", "dic", "storage"},
+    "pipeline": {"errors", "config", "dic", "pictures", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("synthetic", "pictures", "identification", "training", "evaluation", "explorer"),
