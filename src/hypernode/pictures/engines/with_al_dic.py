@@ -55,22 +55,24 @@ def subsets(picture, place, displacement, subset: int):
 def judged(pictures, place, displacement, settings: dict):
     """Displacements (frame, point, 2) with NaN from where a point is lost on, and correlations (frame, point)."""
     subset = settings["subset"]
-    first, last = zip(
-        *(lattice(np.ones(side), settings["step"], subset // 2) for side in pictures.shape[:0:-1]), strict=True
-    )
+    size = np.array(pictures.shape[:0:-1])
+    # What is added up is interpolated between points of the earlier picture: the next one may be a step away, and its
+    # subset stretched to twice its side.
+    margin = settings["step"] + subset
     before, at = subsets(pictures[0], place, np.zeros_like(displacement[0]), subset), place
     seen = np.ones(len(place), bool)
     correlation = []
     for picture, moved in zip(pictures[1:], displacement, strict=True):
         after = subsets(picture, place, moved, subset)
         correlation.append((before * after).sum(1))
-        # Beyond its own points in the earlier picture al-dic extrapolates.
-        within = ((at >= first) & (at <= last)).all(-1)
-        good = (correlation[-1] >= LEAST) & within & np.isfinite(moved).all(-1)
-        seen = seen & good if settings["incremental"] else good
-        moved[~seen] = np.nan
+        good = (correlation[-1] >= LEAST) & np.isfinite(moved).all(-1)
         if settings["incremental"]:
-            before, at = after, place + np.nan_to_num(moved)
+            now = place + np.nan_to_num(moved)
+            seen &= good & ((np.minimum(at, now) >= margin) & (np.maximum(at, now) <= size - 1 - margin)).all(-1)
+            before, at = after, now
+        else:
+            seen = good
+        moved[~seen] = np.nan
     return displacement, np.stack(correlation)
 
 
