@@ -11,7 +11,7 @@ from tests.pictures.warped import pattern, stretched, warped
 SIDE = 420
 STRETCHES = (0.07, 0.14, 0.20)
 MASK = np.zeros((SIDE, SIDE), bool)
-MASK[30:-30, 30:-30] = True
+MASK[40:-40, 40:-40] = True
 
 
 def engine(name):
@@ -83,14 +83,23 @@ def test_points_lie_on_the_grid_within_the_mask_and_survive_storage(followed):
     assert np.array_equal(again.column, found.column) and again.step == found.step
 
 
-def test_a_point_whose_texture_is_gone_is_lost_and_said_so(pictures):
+@pytest.mark.parametrize("name", ["pyvale", "al_dic"])
+def test_a_point_whose_texture_is_gone_is_lost_and_said_so(name, pictures):
     blank = pictures[:2].copy()
     # In the middle, where the first subset would be compared.
     blank[1, 180:240, 180:240] = 128
-    found = correlate(blank, MASK, Correlation(**engine("pyvale")))
+    found = correlate(blank, MASK, Correlation(**engine(name)))
     gone = (abs(found.column - 210) < 15) & (abs(found.row - 210) < 15)
     assert np.isnan(found.displacement[1, gone]).all() and np.isnan(found.correlation[1, gone]).all()
     assert np.isfinite(found.displacement[1, ~gone]).mean() > 0.9
+
+
+@pytest.mark.parametrize("name", ["pyvale", "al_dic"])
+def test_a_point_that_leaves_the_picture_is_lost(name, pictures):
+    found = correlate(pictures[::3], np.ones_like(MASK), Correlation(**engine(name)))
+    there = found.column + stretched(SIDE, STRETCHES[-1])(found.column.astype(float), found.row.astype(float))[0]
+    out = (there < 0) | (there > SIDE - 1)
+    assert out.sum() > 20 and np.isnan(found.displacement[1, out]).all()
 
 
 @pytest.mark.parametrize(("name", "target"), [("pyvale", "pyvale-env"), ("al_dic", "al-dic-env")])
