@@ -52,10 +52,11 @@ NEEDS = {
     "forward": Need(500, a_cell=22, minutes_a_state=0.2),
     "measurement": Need(300, a_state=1),
     "import_dic": Need(500, a_state=2),
-    # Of photographed sheets, a cell of whose grid is some hundred pixels.
-    "speckle": Need(400, a_cell=20),
-    "photograph": Need(600, a_cell=100, a_state=10),
-    "correlate": Need(1500, a_cell=100, a_state=10, minutes=15, minutes_a_state=1.0),
+    # Of photographed sheets, a cell of whose grid is about a hundred pixels.
+    "speckle": Need(300, a_cell=5),
+    "photograph": Need(400, a_cell=60, a_state=2),
+    # The engine, a process of its own, included.
+    "correlate": Need(1000, a_cell=60, a_state=5, minutes=10, minutes_a_state=0.5),
     "photographed": Need(500, a_state=2),
     # A factor of the stiffness of every load step is kept, and so are the directions of conjugate gradients.
     "constrained": Need(900, a_state=80, minutes_a_state=1.5),
