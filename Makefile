@@ -41,9 +41,9 @@ felupe: $(VENV)/dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-felupe.txt
 	$(BIN)/python -m pytest -q tests/export/test_felupe.py
 
-# Engines of image correlation on pictures of a known stretch; makes their environments, 3.6 GB: two minutes.
+# Engines of image correlation on pictures of a known stretch; makes their environments, 3.6 GB: five minutes.
 engines: $(VENV)/dev pyvale-env al-dic-env
-	$(BIN)/python -m pytest -q tests/pictures/test_engines.py
+	$(BIN)/python -m pytest -q tests/pictures/test_engines.py tests/pictures/test_transfer.py
 
 pyvale-env: .venv-pyvale/run
 al-dic-env: .venv-al-dic/run

@@ -52,6 +52,7 @@ def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.
         "outliers": sheet.outliers,
         **{key: max(getattr(each.test, key) for each in sheet.cases) for key in FORCE_ERRORS},
         "correlation_window": specimen.correlation_window,
+        "correlation_kernel": specimen.correlation_kernel,
         "frames": [each.numbers.tolist() for each in sheet.cases],
         "elastic_terms": [list(each.relaxation.terms) for each in sheet.cases],
         "pace": [each.relaxation.pace for each in sheet.cases],

@@ -21,6 +21,7 @@ from hypernode.fem.interpolation import NodalField
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.pictures.correlation import Correlated
+from hypernode.pictures.window import window_of
 from hypernode.stages.imported_sheet import attributes_of, variables_of
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.synthetic.errors import with_force_errors
@@ -37,9 +38,10 @@ def run(config: Config, name: str, forward_file: str, correlated_file: str, outp
     """
     forward, correlated, case = read(forward_file), read(correlated_file), config.cases[name]
     noise = config.noise[case.noise] if case.noise else Noise()
-    window = case.camera.correlated.subset * float(correlated.attrs["mm_per_pixel"])
-    series, corner = _series(correlated, Path(correlated_file), forward, window)
-    specimen = _specimen(name, forward, noise, window)
+    settings, pixel = case.camera.correlated, float(correlated.attrs["mm_per_pixel"])
+    series, corner = _series(correlated, Path(correlated_file), forward, settings.subset * pixel)
+    side, kernel = window_of(settings)
+    specimen = _specimen(name, forward, noise, side * pixel, kernel)
     loads = [config.loads[key].kind for key in case.loads]
     sheet = specimen_of(specimen, _load_cases(specimen, loads, series, forward, noise))
     variables = variables_of(sheet, corner)
@@ -58,18 +60,18 @@ def run(config: Config, name: str, forward_file: str, correlated_file: str, outp
     )
 
 
-def _series(correlated: xr.Dataset, path: Path, forward: xr.Dataset, window: float):
+def _series(correlated: xr.Dataset, path: Path, forward: xr.Dataset, subset: float):
     """(frames of the points whose subsets are on the sheet, corner of their grid)."""
     upward = np.array([1.0, -1.0]) * float(correlated.attrs["mm_per_pixel"])
     origin = np.array([correlated.attrs["origin_column"], correlated.attrs["origin_row"]])
     points = Correlated.from_dataset(correlated)
     position = (np.stack([points.column, points.row], axis=1) - origin) * upward
     lower, upper = forward["corners"].values
-    kept = whole_subsets(position - lower, upper - lower, window)
+    kept = whole_subsets(position - lower, upper - lower, subset)
     return series_of(path, position[kept], points.displacement[:, kept] * upward)
 
 
-def _specimen(name: str, forward: xr.Dataset, noise: Noise, window: float) -> Specimen:
+def _specimen(name: str, forward: xr.Dataset, noise: Noise, window: float, kernel: str) -> Specimen:
     """The sheet as a configuration would describe it, if it were a real one."""
     width, height = (float(side) for side in np.ptp(forward["corners"].values, axis=0))
     share = Specimen.model_fields["force_uncertainty"].default
@@ -82,6 +84,7 @@ def _specimen(name: str, forward: xr.Dataset, noise: Noise, window: float) -> Sp
         # Every subset is whole.
         edge_ring=0,
         correlation_window=window,
+        correlation_kernel=kernel,
         # The camera stands still.
         camera_motion=False,
         # Besides the load cell's, that of the share of the force which the grid carries.
