@@ -29,7 +29,7 @@ BROKEN = [
     ({"pictures": {}, "window": 0.1}, "the window of pictures is the subset of their correlation"),
     ({"pictures": {"pixels": 64}}, "hold less than 6 correlated points of subset 25 and step 8: take more pixels"),
     ({"pictures": {"bright": 30.0}}, "dark = 40 is not darker than bright = 30: no speckle is seen"),
-    ({"pictures": {"pixels": 1000}}, "reach = 64: a corner of the sheet moves by 100 pixels: set reach to 100 or more"),
+    ({"pictures": {"pixels": 2000}}, "reach = 64: a corner of the sheet moves by 100 pixels: set reach to 100 or more"),
     ({"pictures": {"speckles": {}}}, "pictures.speckles: unknown key; did you mean 'speckle'"),
     ({"pictures": {}, "correlation": {"engine": "pyvalle"}}, "did you mean 'pyvale'"),
 ]
@@ -43,7 +43,7 @@ def test_a_camera_that_cannot_be_is_refused_with_one_sentence(camera, sentence):
 
 
 def test_an_incremental_correlation_looks_for_no_more_than_each_picture_moves():
-    camera = {"pictures": {"pixels": 1000}, "correlation": {"incremental": True}}
+    camera = {"pictures": {"pixels": 2000}, "correlation": {"incremental": True}}
     assert photographed(camera).cases["a"].photographed
 
 

@@ -170,7 +170,8 @@ def _check_photographed(config: Config, case: Case, where: str) -> None:
     pixel = camera.pixel_size(case.size)
     sides = [side / pixel for side in case.size]
     loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.loads]
-    furthest = max(float((abs(load.H) @ sides).max()) for load in loads)
+    # The camera follows the middle.
+    furthest = 0.5 * max(float((abs(load.H) @ sides).max()) for load in loads)
     if furthest > camera.correlated.reach:
         raise ConfigError(
             f"{where}.camera.correlation.reach = {camera.correlated.reach}: a corner of the sheet moves by "

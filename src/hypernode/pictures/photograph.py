@@ -6,6 +6,7 @@ from scipy.ndimage import gaussian_filter
 
 from hypernode.config.pictures import Pictures
 from hypernode.fem.interpolation import NodalField
+from hypernode.fem.mesh import Mesh
 from hypernode.pictures.speckle import Pattern
 from hypernode.pictures.view import View
 
@@ -15,6 +16,15 @@ SUB = 2
 TOLERANCE = 1e-8
 #: Rows of a picture that are computed together, for the sake of memory.
 _BLOCK = 64
+
+
+def followed(mesh: Mesh, u: Float[np.ndarray, "step node 2"]) -> Float[np.ndarray, "step node 2"]:
+    """Displacements as seen by a camera that follows the middle of the sheet: no part moves further than it must.
+
+    Machines that pull on both ends keep it where it is.
+    """
+    middle = 0.5 * (mesh.lower + mesh.upper)[None]
+    return u - np.stack([NodalField.of(mesh, each).at(middle) for each in u])
 
 
 def light(pattern: Pattern, field: NodalField, view: View, settings: Pictures) -> Float[np.ndarray, "row column"]:

@@ -7,7 +7,7 @@ import numpy as np
 from hypernode.config.pictures import Pictures
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.interpolation import NodalField
-from hypernode.pictures.photograph import light, recorded, sheet_mask
+from hypernode.pictures.photograph import followed, light, recorded, sheet_mask
 from hypernode.pictures.speckle import Discs, Pattern
 from hypernode.pictures.view import view_of
 from hypernode.progress import Progress
@@ -26,7 +26,7 @@ def run(settings: dict, name: str, forward_file: str, speckle_file: str, output:
     forward, speckle, pixel = read(forward_file), read(speckle_file), settings["mm_per_pixel"]
     pictures = Pictures.model_validate(settings["pictures"])
     mesh = mesh_of(forward)
-    u = np.concatenate([np.zeros((1, *mesh.nodes.shape)), forward["u"].values])
+    u = np.concatenate([np.zeros((1, *mesh.nodes.shape)), followed(mesh, forward["u"].values)])
     view = view_of(mesh.nodes + u, pixel, pictures.margin, pictures.distortion)
     discs = Discs((speckle["disc_centre"].values - mesh.lower) / pixel, speckle["disc_radius"].values / pixel)
     pattern = Pattern.of(discs, tuple(mesh.size / pixel))

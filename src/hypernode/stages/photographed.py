@@ -21,6 +21,7 @@ from hypernode.fem.interpolation import NodalField
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.pictures.correlation import Correlated
+from hypernode.pictures.photograph import followed
 from hypernode.pictures.window import window_of
 from hypernode.stages.imported_sheet import attributes_of, variables_of
 from hypernode.storage.netcdf import read, units_of, write
@@ -118,7 +119,9 @@ def _pull(force: Float[np.ndarray, "step edge 2"], i: int, J: int) -> Float[np.n
 
 
 def _truth(forward: xr.Dataset, sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> dict[str, np.ndarray]:
-    """The displacement without errors at the measured points."""
+    """The displacement without errors at the measured points, as the camera saw it."""
     mesh, measured = mesh_of(forward), sheet.mesh
-    u = np.stack([NodalField.of(mesh, each).at(measured.nodes + corner) for each in forward["u"].values])
+    u = np.stack(
+        [NodalField.of(mesh, each).at(measured.nodes + corner) for each in followed(mesh, forward["u"].values)]
+    )
     return {"u_truth": u, "F_truth": deformation_gradient(measured, u)}
