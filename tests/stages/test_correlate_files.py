@@ -62,7 +62,7 @@ def test_what_is_written_reads_back_in_mm_upward_from_the_least_loaded_picture(f
     assert [picture[0, 0] for picture in engine["pictures"]] == [20, 10, 0]
     assert engine["mask"].sum() == 200 * 150 and engine["mask"][20, 10] and not engine["mask"][19, 10]
     series = read_series(tmp_path / "out")
-    assert series.unit == "mm" and [frame.number for frame in series.frames] == [0, 1, 2]
+    assert series.unit == "mm" and [frame.time for frame in series.frames] == [0.0, 2.0, 4.0]
     np.testing.assert_allclose(np.diff(series.x), 20 * PIXEL)
     np.testing.assert_allclose(series.frames[1].displacement, np.broadcast_to((PIXEL, -2 * PIXEL), (9, 9, 2)))
     assert np.isnan(series.frames[2].displacement).any(axis=-1).sum() == 1

@@ -3,7 +3,7 @@
 from hypernode.config.correlation import Correlation
 
 #: (engine, shape of its subsets) -> (kernel, its side over the subset), as `benchmarks/correlation_transfer.py` has
-#: measured them, with subsets of 15 to 31 pixels; sides vary with the subset by 0.02, 0.1 and 0.03 (docs/decisions/0046).
+#: measured them with subsets of 15 to 31 pixels, between which they vary by 0.02, 0.1 and 0.03 (docs/decisions/0046).
 WINDOWS = {
     ("pyvale", "affine"): ("average", 0.98),
     ("pyvale", "quadratic"): ("quadratic", 1.05),

@@ -49,7 +49,8 @@ class Photographs:
 def run(photographs: Photographs, settings: Correlation, output: Path, threads: int = 1) -> dict:
     """Write OUTPUT/frame<number>.csv in mm, y upward, OUTPUT/force_disp.csv and OUTPUT/correlation.json.
 
-    Times are from the reference on: of a test whose least loaded picture is the last, backward.
+    Where the pictures' names end in their times, those of the frames do, as in ``frame_2.400 s.csv``. They count from
+    the reference on, backward in a test whose least loaded picture is the last.
 
     Returns:
         What correlation.json says.
@@ -69,7 +70,11 @@ def run(photographs: Photographs, settings: Correlation, output: Path, threads: 
     upward = np.array([1.0, -1.0]) * photographs.mm_per_pixel
     position = np.stack([found.column, found.row], axis=1) * upward
     series, _ = series_of(paths[0], position, found.displacement * upward)
-    write_series(Series(series.x, series.y, series.frames, "mm"), output)
+    frames = write_series(Series(series.x, series.y, series.frames, "mm"), output)
+    times = seconds_of(paths)
+    if times is not None:
+        for frame, time in zip(frames, np.abs(times - times[0]), strict=True):
+            frame.rename(output / f"frame_{time:.3f} s.csv")
     if record:
         _write_forces(record, paths, output)
     side, kernel = window_of(settings)
