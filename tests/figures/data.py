@@ -148,7 +148,7 @@ def photographed() -> dict[str, xr.Dataset]:
         "pixel_row": ("pixel_point", row),
         "correlation": (("frame", "pixel_point"), correlation),
     }
-    place = {"mm_per_pixel": 1.0 / 16.0, "origin_column": 6.0, "origin_row": 22.0, "correlation_step": 4}
+    place = {"mm_per_pixel": 1.0 / 16.0, "origin_column": 6.0, "origin_row": 22.0, "correlation_step": 4, "subset": 5}
     u = measurement()["u_measured"].copy()
     u[0, -1, 7] = np.nan
     measured = _grid() | {
@@ -159,7 +159,7 @@ def photographed() -> dict[str, xr.Dataset]:
     return {
         "pictures": xr.Dataset(pictures, attrs=COMMON | place),
         "correlated": xr.Dataset(points, attrs=COMMON | place),
-        "measurement": xr.Dataset(measured, attrs=COMMON | {"correlation_window": 0.3125}),
+        "measurement": xr.Dataset(measured, attrs=COMMON),
     }
 
 

@@ -36,7 +36,7 @@ def draw(data, settings: dict):
     step = settings["step"] % steps
     figure, axes = plt.subplots(2, 3, figsize=(7.2, 4.2), layout="constrained")
     _reference(axes[0, 0], pictures, correlated, measurement, step)
-    _subset(axes[0, 1], pictures, measurement)
+    _subset(axes[0, 1], pictures, int(correlated.attrs["subset"]))
     stretch = float(measurement["stretch"].values[step])
     _picture(axes[0, 2], pictures, step + 1)
     axes[0, 2].set_title(f"(c) at a stretch of {stretch:.4g}", loc="left")
@@ -76,9 +76,8 @@ def _reference(axes, pictures, correlated, measurement, step: int) -> None:
     axes.set_title(f"(a) {used.sum()} points, {lost.sum()} lost", loc="left")
 
 
-def _subset(axes, pictures, measurement) -> None:
+def _subset(axes, pictures, subset: int) -> None:
     """A close view of the middle of the sheet at rest with one subset."""
-    subset = float(measurement.attrs["correlation_window"]) / float(pictures.attrs["mm_per_pixel"])
     row, column = (places.mean().round() for places in np.nonzero(pictures["on_sheet"].values))
     _picture(axes, pictures, 0)
     half = 0.5 * _CLOSE * subset
@@ -86,7 +85,7 @@ def _subset(axes, pictures, measurement) -> None:
     axes.set_ylim(row + half, row - half)
     corner = (column - 0.5 * subset, row - 0.5 * subset)
     axes.add_patch(Rectangle(corner, subset, subset, fill=False, edgecolor=INCLUSION, linewidth=1.2))
-    axes.set_title(f"(b) a subset of {subset:.0f} pixels", loc="left")
+    axes.set_title(f"(b) a subset of {subset} pixels", loc="left")
 
 
 def _correlation(figure, axes, correlated, step: int) -> None:

@@ -31,6 +31,12 @@ def run(settings: dict, name: str, pictures_file: str, output: str, threads: int
         output,
         {key: stored[key].values for key in stored},
         f"correlated points of {name}",
-        {**attributes, **stored.attrs, **{key: pictures.attrs[key] for key in PLACE}, "units": units_of(pictures)},
+        {
+            **attributes,
+            **stored.attrs,
+            **{key: pictures.attrs[key] for key in PLACE},
+            "subset": chosen.subset,
+            "units": units_of(pictures),
+        },
         parents=[pictures_file],
     )
