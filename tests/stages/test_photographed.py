@@ -80,10 +80,10 @@ def exact_points(forward, lost=()):
     return Correlated(column, row, 100.0 * u * (1.0, -1.0), np.ones(u.shape[:2]), 4)
 
 
-def measured(folder, change=lambda points: points, lost=(), **case):
+def measured(folder, change=lambda points: points, lost=(), least=0.0, **case):
     forward = forward_file(folder)
     points = change(exact_points(read(forward), lost)).to_dataset()
-    place = {"mm_per_pixel": 0.01, "origin_column": 9.5, "origin_row": 129.5}
+    place = {"mm_per_pixel": 0.01, "origin_column": 9.5, "origin_row": 129.5, "least_noise": [least, 0.0]}
     path = folder / "correlated.nc"
     write(
         path, {key: points[key].values for key in points}, "points", {"units": SYNTHETIC_UNITS, **points.attrs, **place}
@@ -126,6 +126,13 @@ def test_noise_is_told_from_the_points_and_errors_of_the_load_cell_are_added(tmp
     read_force = found["edge_force"].values[:, EDGE_NAMES.index("right"), 0] / (PULL * mesh_of(found).size[1])
     assert read_force[0] == pytest.approx(read_force[1]) and abs(read_force[0] - 1.0) > 1e-3
     assert found.attrs["force_gain_uncertainty"] == pytest.approx(0.1)
+
+
+def test_noise_is_no_less_than_what_grey_noise_alone_makes(tmp_path):
+    found = measured(tmp_path, least=0.02)
+    for key in ("noise_scatter", "noise_level"):
+        np.testing.assert_allclose(found[key].values[:, 0], 2e-4)
+        assert (found[key].values[:, 1] < 5e-5).all()
 
 
 def test_a_lost_point_stays_lost(tmp_path):

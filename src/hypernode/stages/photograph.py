@@ -35,10 +35,12 @@ def run(settings: dict, name: str, forward_file: str, speckle_file: str, output:
         taken.append(recorded(light(pattern, NodalField.of(mesh, each), view, pictures), pictures, frame))
         progress.advance(stretch=float(forward["stretch"].values[frame - 1]) if frame else 1.0)
     on_sheet = sheet_mask(NodalField.of(mesh, u[0]), view)
+    # That of rounding is even over one level.
+    grey_noise = float(np.hypot(pictures.noise, 12.0**-0.5))
     write(
         output,
         {"picture": np.stack(taken), "on_sheet": on_sheet.astype(np.uint8)},
         f"pictures of {name}",
-        {**attributes, **asdict(view), "units": units_of(forward)},
+        {**attributes, **asdict(view), "grey_noise": grey_noise, "units": units_of(forward)},
         parents=[forward_file, speckle_file],
     )

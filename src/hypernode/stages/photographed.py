@@ -1,5 +1,6 @@
 """Stage 2 of a photographed sheet: its correlated points and the load cells become a measurement file."""
 
+import json
 from pathlib import Path
 from typing import get_args
 
@@ -46,6 +47,9 @@ def run(config: Config, name: str, forward_file: str, correlated_file: str, outp
     loads = [config.loads[key].kind for key in case.loads]
     sheet = specimen_of(specimen, _load_cases(specimen, loads, series, forward, noise))
     variables = variables_of(sheet, corner)
+    # What subsets that overlap share is not seen between neighbours, and is not below what grey noise alone makes.
+    floor = np.array(json.loads(correlated.attrs["least_noise"])) * pixel
+    variables |= {key: np.maximum(variables[key], floor) for key in ("noise_scatter", "noise_level")}
     variables |= {key: forward[key].values for key in ("load_case", "stretch")} | _truth(forward, sheet, corner)
     write(
         output,
