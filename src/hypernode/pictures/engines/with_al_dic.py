@@ -21,6 +21,8 @@ TOLERANCE = 1e-3
 #: Correlation below which a point is lost, and standard deviation of the Gaussian by which pictures are smoothed before
 #: it is computed [pixel], both as in pyvale: in pictures as they are, the camera's noise would decide.
 LEAST, SMOOTHING = 0.9, 1.0
+#: Subsets that are sampled together, for the sake of memory.
+TOGETHER = 500
 #: A point and its eight neighbours, whose displacements show how its subset deforms.
 NEIGHBOURS = 9
 
@@ -46,9 +48,11 @@ def subsets(picture, place, displacement, subset: int):
     """Grey values of every point's subset, moved and deformed, each with mean 0 and norm 1: (point, pixel)."""
     half = np.arange(subset) - subset // 2
     arm = np.stack(np.meshgrid(half, half), axis=-1).reshape(-1, 2)
-    centre = place + np.nan_to_num(displacement)
-    where = centre[:, None] + arm + np.einsum("pij,kj->pki", gradients(place, displacement), arm)
-    grey = map_coordinates(picture, [where[..., 1], where[..., 0]], order=3, mode="nearest")
+    centre, gradient = place + np.nan_to_num(displacement), gradients(place, displacement)
+    grey = np.empty((len(place), len(arm)))
+    for some in np.array_split(np.arange(len(place)), len(place) // TOGETHER + 1):
+        where = centre[some, None] + arm + np.einsum("pij,kj->pki", gradient[some], arm)
+        grey[some] = map_coordinates(picture, [where[..., 1], where[..., 0]], order=3, mode="nearest")
     grey -= grey.mean(1, keepdims=True)
     return grey / np.maximum(np.linalg.norm(grey, axis=1, keepdims=True), 1e-12)
 
