@@ -73,7 +73,7 @@ def run(photographs: Photographs, settings: Correlation, output: Path, threads: 
     frames = write_series(Series(series.x, series.y, series.frames, "mm"), output)
     times = seconds_of(paths)
     if times is not None:
-        for frame, time in zip(frames, np.abs(times - times[0]), strict=True):
+        for frame, time in zip(frames, np.round(np.abs(times - times[0]), 6), strict=True):
             frame.rename(output / f"frame_{time:.3f} s.csv")
     if record:
         _write_forces(record, paths, output)
@@ -121,4 +121,4 @@ def _write_forces(record: ForceRecord, paths: list[Path], output: Path) -> None:
         for k, axis in enumerate(record.axes):
             at = np.interp(times, record.time, record.displacement[:, k])
             moved[axis] = at - at[0]
-    write_force_record(output / "force_disp.csv", np.abs(times - times[0]), moved, force)
+    write_force_record(output / "force_disp.csv", np.round(np.abs(times - times[0]), 6), moved, force)

@@ -13,13 +13,16 @@ from pathlib import Path
 import numpy as np
 from al_dic import dicpara_default, run_aldic
 from al_dic.core.data_structures import GridxyROIRange
-from scipy.ndimage import map_coordinates, minimum_filter
+from scipy.ndimage import gaussian_filter, map_coordinates, minimum_filter
 from scipy.spatial import KDTree
 
 #: Change of the parameters below which a subset is at rest [pixel]; al-dic's own 0.01 costs a third of the accuracy.
 TOLERANCE = 1e-3
-#: Correlation below which a point is lost, as in pyvale.
-LEAST = 0.9
+#: Correlation below which a point is lost, and standard deviation of the Gaussian by which pictures are smoothed before
+#: it is computed [pixel], both as in pyvale: in pictures as they are, the camera's noise would decide.
+LEAST, SMOOTHING = 0.9, 1.0
+#: Subsets that are sampled together, for the sake of memory.
+TOGETHER = 500
 #: A point and its eight neighbours, whose displacements show how its subset deforms.
 NEIGHBOURS = 9
 
@@ -45,9 +48,11 @@ def subsets(picture, place, displacement, subset: int):
     """Grey values of every point's subset, moved and deformed, each with mean 0 and norm 1: (point, pixel)."""
     half = np.arange(subset) - subset // 2
     arm = np.stack(np.meshgrid(half, half), axis=-1).reshape(-1, 2)
-    centre = place + np.nan_to_num(displacement)
-    where = centre[:, None] + arm + np.einsum("pij,kj->pki", gradients(place, displacement), arm)
-    grey = map_coordinates(picture, [where[..., 1], where[..., 0]], order=3, mode="nearest")
+    centre, gradient = place + np.nan_to_num(displacement), gradients(place, displacement)
+    grey = np.empty((len(place), len(arm)))
+    for some in np.array_split(np.arange(len(place)), len(place) // TOGETHER + 1):
+        where = centre[some, None] + arm + np.einsum("pij,kj->pki", gradient[some], arm)
+        grey[some] = map_coordinates(picture, [where[..., 1], where[..., 0]], order=3, mode="nearest")
     grey -= grey.mean(1, keepdims=True)
     return grey / np.maximum(np.linalg.norm(grey, axis=1, keepdims=True), 1e-12)
 
@@ -59,6 +64,7 @@ def judged(pictures, place, displacement, settings: dict):
     # What is added up is interpolated between points of the earlier picture: the next one may be a step away, and its
     # subset stretched to twice its side.
     margin = settings["step"] + subset
+    pictures = [gaussian_filter(picture, SMOOTHING) for picture in pictures]
     before, at = subsets(pictures[0], place, np.zeros_like(displacement[0]), subset), place
     seen = np.ones(len(place), bool)
     correlation = []

@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt
 SHAPES = {"affine": "AFFINE", "quadratic": "QUAD"}
 #: Change of the parameters below which a subset is at rest; at ten times more, quadratic subsets stop early.
 PRECISION = 1e-4
-#: First subsets that are tried one after the other: a lost one ends pyvale.
+#: First subsets that are tried one after the other: where one or its neighbours are lost in any picture, pyvale ends.
 SEEDS = 10
 #: Quadratic subsets take up to 40 of them on clean pictures, pyvale's own limit.
 ITERATIONS = 100
@@ -71,8 +71,8 @@ def follow(folder: Path) -> dict:
         try:
             compare(pictures, mask, seed, settings, results)
             break
-        except RuntimeError as error:
-            if "Seed" not in str(error) or k + 1 == len(tried):
+        except RuntimeError:
+            if k + 1 == len(tried):
                 raise
     found = dic.import_2d(str(results / "*.csv"), delimiter=",", layout="column", print_level=0)
     displacement = np.stack([found.u_px, found.v_px], axis=-1)
