@@ -9,7 +9,7 @@ from snakemake.utils import min_version
 
 from hypernode.config.command_line import run_config
 from hypernode.config.errors import ConfigError
-from hypernode.config.slices import slice_for
+from hypernode.config.slices import pictures_for, slice_for
 from hypernode.pipeline.dag import (
     field_inputs,
     method_settings,
@@ -51,8 +51,9 @@ except ConfigError as error:
 CASES, LEFT_OUT = present_cases(CONFIG)
 for line in LEFT_OUT:
     print(line, file=sys.stderr)
-SYNTHETIC = [name for name in CASES if CONFIG.cases[name].specimen is None]
+PHOTOGRAPHED = [name for name in CASES if CONFIG.cases[name].photographed]
 REAL = [name for name in CASES if CONFIG.cases[name].specimen is not None]
+MEASURED = [name for name in CASES if name not in (*PHOTOGRAPHED, *REAL)]
 RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].methods]
 METHODS = list(dict.fromkeys(method for _, method in RUNS))
 BASELINES = [name for name in METHODS if CONFIG.methods[name].baseline]
@@ -97,6 +98,7 @@ limit_memory(workflow)
 
 
 include: "workflow/rules/forward.smk"
+include: "workflow/rules/pictures.smk"
 include: "workflow/rules/measurement.smk"
 include: "workflow/rules/interpolant.smk"
 include: "workflow/rules/inverse.smk"

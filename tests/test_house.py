@@ -22,6 +22,7 @@ ALLOWED = {
     "material": {"errors", "mechanics", "networks", "config", "storage"},
     "dic": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
+    "pictures": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "progress", "mechanics", "fem", "data", "config"},
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
     "evaluation": {
@@ -49,14 +50,14 @@ ALLOWED = {
         # Colour maps, so that both have one look.
         "figures",
     },
-    "pipeline": {"errors", "config", "dic", "storage"},
+    "pipeline": {"errors", "config", "dic", "pictures", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
-        *("synthetic", "identification", "training", "evaluation", "explorer"),
+        *("synthetic", "pictures", "identification", "training", "evaluation", "explorer"),
     },
     "commands": {
         *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
-        *("pipeline", "stages", "storage", "export"),
+        *("pipeline", "stages", "storage", "export", "pictures"),
     },
     "cli": {
         *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),

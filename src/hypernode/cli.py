@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.correlate import add_correlate
 from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
@@ -182,6 +183,7 @@ def export_csv(arguments) -> int:
 
 COMMANDS = (
     add_practice,
+    add_correlate,
     add_inspect,
     add_identify,
     add_explore,

@@ -133,6 +133,36 @@ def references() -> xr.Dataset:
     return xr.Dataset(fields, attrs=COMMON | attributes)
 
 
+def photographed() -> dict[str, xr.Dataset]:
+    """Two pictures of the sheet in 16 pixels a side, whose points lie 4 apart; one is lost in the last."""
+    places = np.arange(6.0, 23.0, 4.0)
+    column, row = (each.ravel() for each in np.meshgrid(places, places[::-1]))
+    correlation = np.linspace(0.9, 1.0, (1 + len(STRETCH)) * column.size).reshape(1 + len(STRETCH), -1)
+    correlation[-1, 7] = np.nan
+    pictures = {
+        "picture": (("frame", "row", "column"), np.arange(3 * 28 * 28).reshape(3, 28, 28) % 256),
+        "on_sheet": (("row", "column"), np.pad(np.ones((16, 16), int), 6)),
+    }
+    points = {
+        "pixel_column": ("pixel_point", column),
+        "pixel_row": ("pixel_point", row),
+        "correlation": (("frame", "pixel_point"), correlation),
+    }
+    place = {"mm_per_pixel": 1.0 / 16.0, "origin_column": 6.0, "origin_row": 22.0, "correlation_step": 4, "subset": 5}
+    u = measurement()["u_measured"].copy()
+    u[0, -1, 7] = np.nan
+    measured = _grid() | {
+        "stretch": ("load_step", STRETCH),
+        "u_measured": u,
+        "u_truth": 1.1 * measurement()["u_measured"].isel(repeat=0),
+    }
+    return {
+        "pictures": xr.Dataset(pictures, attrs=COMMON | place),
+        "correlated": xr.Dataset(points, attrs=COMMON | place),
+        "measurement": xr.Dataset(measured, attrs=COMMON),
+    }
+
+
 def figure_input(kind: str, level: str) -> tuple[dict, dict]:
     """(opened files, settings) of a figure of a kind, of a run with a verdict."""
     judged = {"evaluation": evaluation(level)}
@@ -144,6 +174,8 @@ def figure_input(kind: str, level: str) -> tuple[dict, dict]:
         return data | {"evaluation0": evaluation("pass"), "evaluation1": evaluation(level)}, settings
     if kind == "detection":
         return {f"evaluation{k}": detected(k, level) for k in range(4)}, {"kind": kind, "runs": ["*"]}
+    if kind == "pictures":
+        return photographed(), {"kind": kind, "case": "half", "step": -1}
     more = {
         "identification": {"truth": material()},
         "anisotropy": {"truth": material(), "material": material(1.2)},

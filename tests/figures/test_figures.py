@@ -68,6 +68,28 @@ def test_a_detection_curve_counts_the_runs_of_each_contrast_and_bounds_their_sha
         compose(unknown, settings)
 
 
+def test_a_figure_of_pictures_shows_points_what_is_lost_and_the_error_in_pixels():
+    data, settings = figure_input("pictures", "pass")
+    figure = compose(data, settings)
+    at_rest, close, later = (panel(figure, letter) for letter in "abc")
+    np.testing.assert_array_equal(at_rest.images[0].get_array(), data["pictures"]["picture"].values[0])
+    np.testing.assert_array_equal(later.images[0].get_array(), data["pictures"]["picture"].values[-1])
+    points, lost = at_rest.lines
+    assert len(points.get_xdata()) == 25 and at_rest.get_title(loc="left") == "(a) 25 points, 1 lost"
+    column, row = (data["correlated"][f"pixel_{axis}"].values for axis in ("column", "row"))
+    assert (lost.get_xdata().tolist(), lost.get_ydata().tolist()) == ([column[7]], [row[7]])
+    assert close.patches[0].get_width() == 5.0 and later.get_title(loc="left").endswith("1.1")
+    # Row 0 of points is at the top, as that of the pictures.
+    grid = panel(figure, "d").images[0].get_array()
+    assert grid.mask[3, 2] and grid.mask.sum() == 1
+    u = data["measurement"]["u_measured"].values[0, -1]
+    for letter, values in (("e", np.linalg.norm(u, axis=1)), ("f", 16.0 * 0.1 * np.linalg.norm(u, axis=1))):
+        shown = field(panel(figure, letter)).get_array()
+        cells = values[data["measurement"]["cells"].values].mean(axis=1)
+        assert np.array_equal(shown.mask, np.isnan(cells)) and shown.mask.sum() == 4
+        np.testing.assert_allclose(shown[~shown.mask], cells[np.isfinite(cells)])
+
+
 def test_the_panels_show_the_numbers_of_the_file():
     data, settings = figure_input("identification", "pass")
     figure, file = compose(data, settings), data["evaluation"]

@@ -25,6 +25,7 @@ DISTRIBUTIONS = {
     "basix": "fenics-basix",
     "jax_fem": "jax-fem",
     "ruamel": "ruamel.yaml",
+    "al_dic": "al-dic",
 }
 
 
@@ -46,10 +47,14 @@ def test_the_compiler_that_sums_wrongly_is_refused():
     assert "0.10.2" not in BASE["jax"] and "0.10.2" not in BASE["jaxlib"]
 
 
+#: Scripts that other environments execute.
+ENGINES = ROOT / "src" / "hypernode" / "pictures" / "engines"
+
+
 def imported(folder):
     """Module at the top -> files that import it, anywhere in them."""
     found = {}
-    for path in [*folder.rglob("*.py")]:
+    for path in [path for path in folder.rglob("*.py") if folder == ENGINES or ENGINES not in path.parents]:
         for node in ast.walk(ast.parse(path.read_text())):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -70,6 +75,19 @@ def test_what_is_imported_is_declared_and_what_an_extra_brings_is_named():
     assert {DISTRIBUTIONS.get(module, module): extra for module, extra in EXTRAS.items()} == {
         name: extra for name, extra in declared.items() if extra
     }
+
+
+def test_what_scripts_of_correlation_engines_import_is_pinned_in_their_environments():
+    for script in ENGINES.glob("with_*.py"):
+        there = pins(f"requirements-{script.stem.removeprefix('with_').replace('_', '-')}.txt")
+        top = {
+            name.split(".")[0]
+            for node in ast.walk(ast.parse(script.read_text()))
+            for name in ([each.name for each in node.names] if isinstance(node, ast.Import) else [])
+            + ([node.module] if isinstance(node, ast.ImportFrom) else [])
+        }
+        own = top - {*sys.stdlib_module_names}
+        assert own and {DISTRIBUTIONS.get(name, name) for name in own} <= set(there), script.name
 
 
 @pytest.mark.parametrize("module", ["matplotlib.pyplot", "h5py", "json"])

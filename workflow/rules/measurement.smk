@@ -9,7 +9,7 @@ rule measurement:
     benchmark:
         "results/benchmarks/{case}/measurement.jsonl"
     wildcard_constraints:
-        case="|".join(map(re.escape, SYNTHETIC)) or "none",
+        case="|".join(map(re.escape, MEASURED)) or "none",
     group:
         "sheet"
     threads: 1

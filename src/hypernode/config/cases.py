@@ -7,6 +7,9 @@ from pydantic import Field, model_validator
 from hypernode.config.section import Count, Positive, Section
 from hypernode.config.synthetic import Camera, Layer
 
+#: Points along a side from which noise can be told: fewer say nothing of it.
+FEWEST_POINTS = 6
+
 
 class Sheet(Section):
     """What a written case and the cases of a grid have in common."""
@@ -68,7 +71,25 @@ class Case(Sheet):
                 raise ValueError(f"a synthetic case also needs {', '.join(missing)} (or name a specimen)")
             if self.camera and self.hole:
                 raise ValueError("a camera grid cannot be laid over a sheet with a hole")
+            if self.photographed:
+                _refuse_few_points(self.camera, self.size)
         return self
+
+    @property
+    def photographed(self) -> bool:
+        """Whether displacements are those of correlated pictures."""
+        return bool(self.camera and self.camera.pictures)
+
+
+def _refuse_few_points(camera: Camera, size: tuple[float, float]) -> None:
+    settings, pixel = camera.correlated, camera.pixel_size(size)
+    smallest = settings.subset + (FEWEST_POINTS - 1) * settings.step
+    if min(size) / pixel < smallest:
+        raise ValueError(
+            f"pictures of {min(size) / pixel:.0f} pixels across the sheet hold less than {FEWEST_POINTS} correlated "
+            f"points of subset {settings.subset} and step {settings.step}: take more pixels, {smallest} at least, or a "
+            "smaller subset or step"
+        )
 
 
 class Grid(Sheet):

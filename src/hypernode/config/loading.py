@@ -1,9 +1,11 @@
 """From files to a checked configuration, with errors that say where, what and how to mend it before any job starts."""
 
+import math
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from hypernode.config.cases import Case
 from hypernode.config.errors import ConfigError
 from hypernode.config.expansion import all_cases, specimen_explorers, specimen_figures
 from hypernode.config.model import Config
@@ -13,6 +15,8 @@ from hypernode.config.references import unknown_references
 from hypernode.config.section import NAME
 from hypernode.config.sources import Source, Sources, read_yaml
 from hypernode.config.specimens import Specimen
+from hypernode.config.synthetic import Noise
+from hypernode.mechanics.loads import make_load
 
 __all__ = ["ConfigError", "check_config", "load_config"]
 
@@ -107,6 +111,10 @@ def _check_meaning(config: Config, sources: Sources) -> None:
         at = ".".join(map(str, path))
         hint = f"{near(name, names)}\n    allowed: {', '.join(names) or '(none)'}"
         raise ConfigError(f"{sources.where(*path)}: {at} = {name!r}: no such entry in {section}{hint}")
+    for name, figure in config.figures.items():
+        if figure.kind == "pictures" and not config.cases[figure.case].photographed:
+            where = sources.where("figures", name, "case")
+            raise ConfigError(f"{where}: figures.{name}.case = {figure.case!r}: its camera takes no pictures")
     for name, geometry in config.geometries.items():
         if geometry.shape == "image" and not Path(geometry.path).is_file():
             where = sources.where("geometries", name, "path")
@@ -124,6 +132,8 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             raise ConfigError(f"{where}.methods: list at least one method ({', '.join(allowed)})")
         if case.inclusion is None and not case.specimen and config.geometries[case.geometry].shape != "uniform":
             raise ConfigError(f"{where}: the geometry '{case.geometry}' needs an inclusion material")
+        if case.photographed:
+            _check_photographed(config, case, where)
         if case.specimen and config.specimens[case.specimen].thickness_map:
             _check_thickness(config, case.methods, where)
 
@@ -138,6 +148,34 @@ def _check_folders(name: str, specimen: Specimen, sources: Sources) -> None:
         raise ConfigError(
             f"{sources.where(*path)}: {'.'.join(map(str, path))} = {test.folder!r}: no such folder: put the specimen's "
             f"files there{source}, or say 'optional: true' to leave it out where they are absent"
+        )
+
+
+def _check_photographed(config: Config, case: Case, where: str) -> None:
+    """Refuse errors of displacements where pictures have their own, and motions that nobody looks for."""
+    noise, camera = config.noise.get(case.noise, Noise()), case.camera
+    for key in ("sigma", "outliers"):
+        if getattr(noise, key):
+            raise ConfigError(
+                f"{where}.noise: {case.noise} has {key} = {getattr(noise, key):g}, and the displacements of a "
+                "photographed sheet have the errors of its pictures: set camera.pictures.noise, and leave errors of "
+                "forces alone here"
+            )
+    if noise.repeats > 1:
+        raise ConfigError(
+            f"{where}.noise: {case.noise} has {noise.repeats} repeats, and a photographed sheet is tested once"
+        )
+    if camera.correlated.incremental:
+        return
+    pixel = camera.pixel_size(case.size)
+    sides = [side / pixel for side in case.size]
+    loads = [make_load(config.loads[key].kind, config.loads[key].stretches) for key in case.loads]
+    # The camera follows the middle.
+    furthest = 0.5 * max(float((abs(load.H) @ sides).max()) for load in loads)
+    if furthest > camera.correlated.reach:
+        raise ConfigError(
+            f"{where}.camera.correlation.reach = {camera.correlated.reach}: a corner of the sheet moves by "
+            f"{furthest:.0f} pixels: set reach to {math.ceil(round(furthest, 6))} or more, or incremental: true"
         )
 
 

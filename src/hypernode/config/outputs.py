@@ -57,6 +57,16 @@ class Detection(Section):
     """Patterns of case/method, as file names are matched."""
 
 
+class PicturesFigure(Section):
+    """A figure of a photographed sheet: its pictures and what was read from them."""
+
+    kind: Literal["pictures"]
+    case: str
+    """Photographed case."""
+    step: int = -1
+    """Load step drawn, from 0; -1 is the last."""
+
+
 class ExploredRun(Section):
     """A run of which ``explorer.html`` is written: a page that shows it, and answers at any point of its sheet."""
 
@@ -68,7 +78,7 @@ class ExploredRun(Section):
     """Another method of the case, shown beside it."""
 
 
-Figure = Annotated[Union[RunFigure, Comparison, Detection], Field(discriminator="kind")]
+Figure = Annotated[Union[RunFigure, Comparison, Detection, PicturesFigure], Field(discriminator="kind")]
 
 
 class RunTable(Section):

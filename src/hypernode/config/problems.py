@@ -3,7 +3,8 @@
 import difflib
 import re
 from collections.abc import Iterable
-from typing import get_args
+from types import UnionType
+from typing import Union, get_args, get_origin
 
 from pydantic import BaseModel
 
@@ -63,7 +64,7 @@ def _allowed_keys(annotation, path) -> list[str]:
         tag = section.model_fields.get("shape") or section.model_fields.get("kind")
         if tag is not None and part in get_args(tag.annotation):
             return _allowed_keys(section, rest)
-        if part in section.model_fields and annotation is section:
+        if part in section.model_fields and (annotation is section or get_origin(annotation) in (Union, UnionType)):
             return _allowed_keys(section.model_fields[part].annotation, rest)
     # The name of an entry in a dictionary, or the index in a list: step over it.
     args = get_args(annotation)

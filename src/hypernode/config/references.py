@@ -38,7 +38,7 @@ def unknown_references(config: Config, methods: list[str]) -> Iterator[Reference
         for at, run in shown:
             if run.case not in config.cases:
                 yield Reference((*at, "case"), run.case, "cases", list(config.cases))
-            elif run.method not in config.cases[run.case].methods:
+            elif figure.kind != "pictures" and run.method not in config.cases[run.case].methods:
                 yield Reference((*at, "method"), run.method, "methods of its case", config.cases[run.case].methods)
     for index, run in enumerate(config.explorers):
         for key, value in (("case", run.case), ("method", run.method), ("beside", run.beside)):

@@ -38,6 +38,17 @@ def slice_for(config: Config, name: str, sections, keys) -> dict:
     return in_fixed_order(result)
 
 
+def pictures_for(config: Config, name: str, stage: str) -> dict:
+    """What one stage of a photographed case uses: ``speckle``, ``photograph`` or ``correlate``."""
+    camera, size = config.cases[name].camera, config.cases[name].size
+    if stage == "correlate":
+        return in_fixed_order(camera.correlated.model_dump(mode="json"))
+    pixel = {"mm_per_pixel": camera.pixel_size(size)}
+    if stage == "speckle":
+        return in_fixed_order({**pixel, "size": size, "speckle": camera.pictures.speckle.model_dump(mode="json")})
+    return in_fixed_order({**pixel, "pictures": camera.pictures.model_dump(mode="json", exclude={"speckle", "pixels"})})
+
+
 def case_geometries(case: Case) -> list[str]:
     """Names of the geometries that a synthetic case uses."""
     return [key for key in (case.geometry, case.hole, *(layer.geometry for layer in case.layers)) if key]

@@ -35,6 +35,9 @@ class Specimen(SpecimenTest):
     outline is cut, 0 where it is the edge of the sheet."""
     correlation_window: NonNegative = 0.0
     """Side of the window over which the cameras' software averages the displacement [mm]; 0 where it is not known."""
+    correlation_kernel: Literal["average", "quadratic"] = "average"
+    """What it does over that window: average, as subsets that deform affinely do, or quadratic, the middle of a
+    quadratic fit, as subsets of second order do."""
     shape_image: str | None = None
     """Image of the printed inclusion, with which the identified one is compared."""
     shape_flipped: bool = False

@@ -5,6 +5,8 @@ from typing import Literal, Union
 
 from pydantic import ConfigDict, Field, model_validator
 
+from hypernode.config.correlation import Correlation
+from hypernode.config.pictures import Pictures
 from hypernode.config.section import Count, Fraction, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import PARAMETERS
 
@@ -108,9 +110,41 @@ class Layer(Section):
 
 
 class Camera(Section):
-    """A measured grid of its own: so that data and identification do not share a mesh."""
+    """How a sheet is measured: on a grid of its own, or by pictures that are correlated."""
 
-    cells: tuple[Count, Count]
-    """Cells of the measured grid along x and y."""
+    cells: tuple[Count, Count] | None = None
+    """Cells of a measured grid along x and y, so that data and identification do not share a mesh."""
     window: NonNegative = 0.0
     """Side of the correlation window over which the displacement is averaged, in the length unit of the sheet."""
+    pictures: Pictures | None = None
+    """Pictures of the sheet, in the place of `cells` and `window`: the noise of displacements is that of correlating
+    them, and the measured grid is that of the correlated points."""
+    correlation: Correlation | None = None
+    """How pictures are correlated; left out, as the defaults say."""
+
+    @model_validator(mode="after")
+    def _one_way(self):
+        if (self.cells is None) == (self.pictures is None):
+            raise ValueError("a camera has either cells, of a grid at which it measures, or pictures")
+        if self.pictures is None and self.correlation:
+            raise ValueError("correlation is of pictures: give pictures, {} for their defaults, or leave it out")
+        if self.pictures and self.window:
+            raise ValueError("the window of pictures is the subset of their correlation: leave window out")
+        return self
+
+    @property
+    def correlated(self) -> Correlation:
+        """How its pictures are correlated."""
+        return self.correlation or Correlation()
+
+    def pixel_size(self, size: tuple[float, float]) -> float:
+        """Length of a pixel of its pictures on a sheet with these sides, in their unit."""
+        return max(size) / self.pictures.pixels
+
+    def grid_cells(self, size: tuple[float, float]) -> int:
+        """Number of cells of the measured grid, of pictures as many as fit with all subsets on the sheet."""
+        if self.cells:
+            return self.cells[0] * self.cells[1]
+        settings, pixel = self.correlated, self.pixel_size(size)
+        columns, rows = (int(max(side / pixel - settings.subset, 0.0) / settings.step) for side in size)
+        return columns * rows

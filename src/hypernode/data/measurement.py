@@ -107,3 +107,9 @@ def is_on_its_own_grid(measurement: xr.Dataset) -> bool:
 def is_cut_out(measurement: xr.Dataset) -> bool:
     """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
     return measurement.attrs["outline"] == "cut"
+
+
+def correlation_window(measurement: xr.Dataset) -> tuple[float, str]:
+    """(side of the window through which the camera sees, 0 without one; its kernel, ``average`` or ``quadratic``)."""
+    # Files of measurements that are older than the second kernel name none.
+    return float(measurement.attrs["correlation_window"]), str(measurement.attrs.get("correlation_kernel", "average"))

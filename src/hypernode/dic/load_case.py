@@ -65,40 +65,68 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
         DicError: any input that cannot be used, with file and line.
     """
     full = read_test(test)
-    mm = full.millimetres(test.pixel_size)
     series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
     clock = frame_clock(test, series)
     times = clock and {frame.number: float(clock.at(frame.number)) for frame in series.frames}
     numbers = select_frames(test, series, times)
+    case = _without_force(test, full, series, angles, numbers)
+    case = replace(case, time=np.array([times[n] if times else np.nan for n in numbers]))
+    if test.force_file is None:
+        say("import", test.folder, "no force is recorded: every stress is known up to one factor")
+        return case
+    sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
+    found = import_forces(test, sections, series, clock, numbers)
+    used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
+    return replace(
+        case,
+        time=found.time,
+        force=found.force,
+        relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
+        files=tuple(path for path in (found.path, *full.files) if path.is_file()),
+        findings=(*_said_otherwise(test, series), *found.findings),
+    )
+
+
+def load_case_of(
+    specimen: Specimen, test: SpecimenTest, full: Series, force: dict[Component, Float[np.ndarray, " step"]]
+) -> LoadCase:
+    """A test whose frames after the reference are its load steps, each with its own force; nothing tells their times.
+
+    Args:
+        full: its frames, whatever they are from.
+        force: of each load step, as in :class:`LoadCase`.
+
+    Raises:
+        DicError: the frames cannot be used.
+    """
+    series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
+    numbers = np.array([frame.number for frame in series.frames[1:]])
+    return replace(_without_force(test, full, series, angles, numbers), force=force)
+
+
+def _without_force(
+    test: SpecimenTest, full: Series, series: Series, angles: dict[int, float], numbers: Int[np.ndarray, " step"]
+) -> LoadCase:
+    """The load steps of a series, which is what is left of the full one, in mm."""
+    mm = full.millimetres(test.pixel_size)
     by_number = {frame.number: frame.displacement * mm for frame in series.frames}
     u = np.stack([by_number[number] for number in numbers]) - np.nan_to_num(by_number[series.frames[0].number])
     stretch = dict(zip(by_number, mean_stretch(series, test.load), strict=True))
-    forces, record, findings = {}, (), ()
-    relaxation, time = ELASTIC, np.array([times[n] if times else np.nan for n in numbers])
-    if test.force_file is None:
-        say("import", test.folder, "no force is recorded: every stress is known up to one factor")
-    else:
-        sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
-        found = import_forces(test, sections, series, clock, numbers)
-        forces, record, time = found.force, (found.path,), found.time
-        findings = (*_said_otherwise(test, series), *found.findings)
-        used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
-        relaxation = relaxation_of(test, series, Series(series.x, series.y, used), found.pulls)
     return LoadCase(
         test,
         series.x * mm,
         series.y * mm,
         np.array([full.x[-1] * mm, full.y[-1] * mm]),
         numbers,
-        time,
+        np.full(len(numbers), np.nan),
         np.array([stretch[number] for number in numbers]),
         u,
-        forces,
-        relaxation,
+        {},
+        ELASTIC,
         np.array([angles[number] for number in numbers]),
         noise_of(test, series, numbers, mm),
-        tuple(path for path in (*record, *full.files) if path.is_file()),
-        findings,
+        tuple(path for path in full.files if path.is_file()),
+        (),
     )
 
 

@@ -96,7 +96,11 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None) -> Importe
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    cases = [import_load_case(specimen, test) for test in specimen.all_tests]
+    return specimen_of(specimen, [import_load_case(specimen, test) for test in specimen.all_tests], hole)
+
+
+def specimen_of(specimen: Specimen, cases: list[LoadCase], hole: Callable | None = None) -> ImportedSpecimen:
+    """A specimen's tests, once read, on one grid; see :func:`import_specimen`."""
     x, y, fields = on_one_grid(cases)
     field = np.stack([np.zeros(2), cases[0].size])
     mesh = _mesh(x, y, field, hole)

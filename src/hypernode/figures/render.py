@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import matplotlib.pyplot as plt
 
-from hypernode.figures import anisotropy, comparison, detection, identification, overview, references
+from hypernode.figures import anisotropy, comparison, detection, identification, overview, pictures, references
 from hypernode.figures.style import RC, save
 from hypernode.figures.trust import run_verdict, runs_verdict, write_verdict
 from hypernode.storage.netcdf import read
@@ -16,11 +16,14 @@ LAYOUTS = {
     "detection": detection,
     "identification": identification,
     "overview": overview,
+    "pictures": pictures,
     "references": references,
 }
 
 #: Kinds of figures of several runs -> what they show of each.
 SEVERAL = {"comparison": "rows", "detection": "runs in this figure"}
+#: Kinds of figures of a measurement, of which no verdict is known.
+MEASURED = ("pictures",)
 
 
 def compose(data: Mapping, settings: dict):
@@ -35,7 +38,7 @@ def compose(data: Mapping, settings: dict):
         if settings["kind"] in SEVERAL:
             evaluations = [file for name, file in data.items() if name.startswith("evaluation")]
             write_verdict(figure, *runs_verdict(evaluations, SEVERAL[settings["kind"]]))
-        else:
+        elif settings["kind"] not in MEASURED:
             write_verdict(figure, *run_verdict(data["evaluation"]))
     return figure
 

@@ -10,6 +10,7 @@ from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacem
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
 from hypernode.data.measurement import (
+    correlation_window,
     displacement_noise,
     is_cut_out,
     is_on_its_own_grid,
@@ -114,7 +115,8 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     refinement = refine(grid, subcells)
     measured = measured_displacement(measurement)
     u = filled(grid, measured)
-    noise, window = displacement_noise(measurement), float(measurement.attrs["correlation_window"])
+    noise = displacement_noise(measurement)
+    window, kernel = correlation_window(measurement)
     own_grid = is_on_its_own_grid(measurement)
     # Of undivided cells that interfaces cut the error is known to a factor alone.
     rules = strategy.noise_rules if floor is None and subcells == 1 and not own_grid else 1.0
@@ -125,7 +127,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     if cut:
         prescribed = np.ones_like(prescribed)
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
-    seen = window_average(refinement.mesh, window)[at_points.ravel()]
+    seen = window_average(refinement.mesh, window, kernel)[at_points.ravel()]
     levels = noise_of_steps(measurement)
     noisy = bool(noise >= rules * floor)
     # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them.

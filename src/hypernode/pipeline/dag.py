@@ -7,7 +7,7 @@ from hypernode.config.slices import in_fixed_order
 
 
 def present_cases(config: Config) -> tuple[list[str], list[str]]:
-    """(cases that can run, a line for each specimen whose folder is absent)."""
+    """(cases that can run, a line for each specimen whose folder and each correlation engine that is absent)."""
     present, absent = [], []
     for name, case in config.cases.items():
         specimen = config.specimens.get(case.specimen) if case.specimen else None
@@ -17,9 +17,23 @@ def present_cases(config: Config) -> tuple[list[str], list[str]]:
         if missing is not None:
             source = f"; its data are published in {specimen.published_at}" if specimen.published_at else ""
             absent.append(f"Leaving out {name}: there is no folder {missing}{source}")
+        elif case.photographed and (sentence := _missing_engine(case.camera.correlated.engine)):
+            absent.append(f"Leaving out {name}: {sentence}")
         else:
             present.append(name)
     return present, absent
+
+
+def _missing_engine(engine: str) -> str | None:
+    """What is missing where the pictures of a case cannot be correlated."""
+    # Configurations without pictures need not wait for the packages that read them.
+    from hypernode.pictures.correlation import EngineMissing, python_of
+
+    try:
+        python_of(engine)
+    except EngineMissing as error:
+        return str(error)
+    return None
 
 
 #: Stage -> the parts of a method that it uses, in the order in which the stages follow one another. The first part
@@ -77,11 +91,18 @@ def run_stages(config: Config, method: str) -> list[str]:
     return [*fields, *["interpolant"] * (settings.interpolant is not None), "homogenised", *networks, "material"]
 
 
+def sheet_stages(config: Config, case: str) -> list[str]:
+    """The stages that a case passes up to its measurement, in their order."""
+    if config.cases[case].specimen:
+        return ["measurement"]
+    pictures = ["speckle", "pictures", "correlated"] if config.cases[case].photographed else []
+    return ["true_material", "forward", *pictures, "measurement"]
+
+
 def run_files(config: Config, case: str, method: str) -> list[str]:
     """Every result that a run leaves or shares, from the sheet to its evaluation."""
-    sheet = ["measurement"] if config.cases[case].specimen else ["true_material", "forward", "measurement"]
     return [
-        *(f"results/{case}/{stage}.nc" for stage in sheet),
+        *(f"results/{case}/{stage}.nc" for stage in sheet_stages(config, case)),
         *(stage_file(config, case, method, stage) for stage in run_stages(config, method)),
         f"results/{case}/{method}/evaluation.nc",
     ]
@@ -98,6 +119,8 @@ def run_benchmarks(config: Config, case: str, method: str) -> list[str]:
         rules["material"] = "pretraining"
     if config.cases[case].specimen:
         rules["measurement"] = "import_dic"
+    elif config.cases[case].photographed:
+        rules |= {"pictures": "photograph", "correlated": "correlate", "measurement": "photographed"}
     files = [Path(file).relative_to("results") for file in run_files(config, case, method)]
     own = [file for file in files if file.parts[1:-1] in ((), (method,))]
     return [f"results/benchmarks/{file.parent}/{rules.get(file.stem, file.stem)}.jsonl" for file in own]

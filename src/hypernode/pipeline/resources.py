@@ -52,6 +52,12 @@ NEEDS = {
     "forward": Need(500, a_cell=22, minutes_a_state=0.2),
     "measurement": Need(300, a_state=1),
     "import_dic": Need(500, a_state=2),
+    # Of photographed sheets, a cell of whose grid is about a hundred pixels.
+    "speckle": Need(300, a_cell=5),
+    "photograph": Need(400, a_cell=60, a_state=2),
+    # The engine, a process of its own, included.
+    "correlate": Need(1000, a_cell=60, a_state=5, minutes=10, minutes_a_state=0.5),
+    "photographed": Need(500, a_state=2),
     # A factor of the stiffness of every load step is kept, and so are the directions of conjugate gradients.
     "constrained": Need(900, a_state=80, minutes_a_state=1.5),
     "gradient": Need(300, a_state=2),
@@ -87,8 +93,8 @@ def case_size(config: Config, name: str | None) -> Size:
         specimen = config.specimens[case.specimen]
         steps = sum(test.steps for test in specimen.all_tests)
         return Size(_lines(specimen_files(config, name)[0]), steps)
-    grids = [case.cells, case.camera.cells] if case.camera else [case.cells]
-    return Size(max(nx * ny for nx, ny in grids), sum(len(config.loads[load].stretches) for load in case.loads))
+    cells = max(case.cells[0] * case.cells[1], case.camera.grid_cells(case.size) if case.camera else 0)
+    return Size(cells, sum(len(config.loads[load].stretches) for load in case.loads))
 
 
 def memory(config: Config, rule: str) -> Callable:

@@ -14,7 +14,7 @@ def _has_references(config: Config, case: str, present) -> bool:
 
 
 def shown_runs(figure: Figure) -> list:
-    """The runs that a figure names one by one, each with a ``case`` and a ``method``."""
+    """The runs that a figure names one by one, each with a ``case`` and, but for pictures, a ``method``."""
     if figure.kind == "detection":
         return []
     return figure.runs if figure.kind == "comparison" else [figure]
@@ -50,6 +50,8 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
             if not config.cases[run.case].specimen:
                 files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
         return files
+    if figure.kind == "pictures":
+        return {key: f"results/{figure.case}/{key}.nc" for key in ("pictures", "correlated", "measurement")}
     folder = f"results/{figure.case}/{figure.method}"
     if figure.kind == "references":
         return {"references": f"{folder}/references.nc", "evaluation": f"{folder}/evaluation.nc"}

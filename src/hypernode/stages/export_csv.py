@@ -8,7 +8,7 @@ import xarray as xr
 
 from hypernode.config.specimen_tests import FORCE_ERRORS
 from hypernode.config.yaml_text import yaml_value
-from hypernode.data.measurement import displacement_noise, mesh_of
+from hypernode.data.measurement import correlation_window, displacement_noise, mesh_of
 from hypernode.dic.errors import DicError
 from hypernode.dic.recorded import RecordedTest, recorded_tests
 from hypernode.dic.writing import write_force_record, write_series
@@ -54,6 +54,7 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
     """The text of the configuration that imports an export again."""
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", path.resolve().parent.name).lstrip("_.-") or "export"
     attributes, (width, height) = measurement.attrs, mesh_of(measurement).size.tolist()
+    window, kernel = correlation_window(measurement)
     sheet = {
         "source_title": f"export of {path.name} of {name}",
         "width": width,
@@ -63,7 +64,8 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
         "noise_mm": float(displacement_noise(measurement) or np.finfo(float).eps * max(width, height)),
         "outline": attributes["outline"],
         "edge_ring": 0,
-        "correlation_window": float(attributes["correlation_window"]),
+        "correlation_window": window,
+        "correlation_kernel": kernel,
         **{key: float(attributes[key]) for key in FORCE_ERRORS},
     }
     entries = [

@@ -14,6 +14,12 @@ DIMS = {
     "load_step": "one equilibrium state; the steps of several tests follow one another",
     "test": "one test of a specimen, in the order of its load cases",
     "repeat": "one measurement of the same test",
+    "frame": "one picture of the sheet: at rest, then of each load step",
+    "row": "a row of pixels, from the top",
+    "column": "a column of pixels, from the left",
+    "disc": "one dark disc of the speckle",
+    "pixel_point": "a point of the reference picture that is followed through the others",
+    "component": "along columns, to the right, then along rows, downward",
     "record_sample": "one of equal times of the force record",
     "node": "a grid point where displacement is measured or computed",
     "cell": "a quadrilateral of four neighbouring grid points",
@@ -79,6 +85,19 @@ VARIABLES = {
         ("load_step", "edge", "i"), "1", "1 where the edge displacement is prescribed, 0 where it is free"
     ),
     "newton_residual": Variable(("load_step",), "1", "free residual over reaction norm at convergence"),
+    # pictures
+    "disc_centre": Variable(("disc", "i"), "length", "centre of a disc on the sheet at rest"),
+    "disc_radius": Variable(("disc",), "length", "its radius"),
+    "picture": Variable(("frame", "row", "column"), "1", "grey level"),
+    "on_sheet": Variable(("row", "column"), "1", "1 where the centre of a pixel sees the sheet at rest"),
+    "pixel_column": Variable(("pixel_point",), "1", "pixel of a followed point in the reference picture"),
+    "pixel_row": Variable(("pixel_point",), "1", "the same, from the top"),
+    "pixel_displacement": Variable(
+        ("frame", "pixel_point", "component"), "1", "displacement in pixels, NaN where the point is lost"
+    ),
+    "correlation": Variable(
+        ("frame", "pixel_point"), "1", "zero-normalised cross-correlation of the compared subsets, 1 at best"
+    ),
     # fields
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
     "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),

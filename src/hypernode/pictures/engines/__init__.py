@@ -1,0 +1,1 @@
+"""Scripts that the Pythons of the correlation engines execute, each in an environment without this package."""

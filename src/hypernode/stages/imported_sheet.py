@@ -1,0 +1,63 @@
+"""What a measurement file holds of a sheet that was imported: a real one, or one whose pictures were correlated."""
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.config.specimen_tests import FORCE_ERRORS
+from hypernode.config.specimens import Specimen
+from hypernode.dic.specimen import ImportedSpecimen
+
+#: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
+#: of known noise scatter by as much.
+NOISE_UNCERTAINTY = 0.05
+
+
+def variables_of(sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> dict[str, np.ndarray]:
+    """The variables of its measurement.
+
+    Args:
+        corner: where the lower left corner of the measured field lies.
+    """
+    mesh, courses = sheet.mesh, [each.relaxation.sampled() for each in sheet.cases]
+    times, factors = (np.stack([course[k] for course in courses]) for k in (0, 1))
+    return {
+        "X": mesh.nodes + corner,
+        "cells": mesh.cells,
+        "corners": np.stack([mesh.lower, mesh.upper]) + corner,
+        "load_case": sheet.load_case,
+        "stretch": sheet.stretch,
+        "H": sheet.H,
+        "time": np.concatenate([each.time for each in sheet.cases]),
+        "edge_force": sheet.edge_force,
+        "relaxation": np.concatenate([each.relaxation.at(each.time) for each in sheet.cases]),
+        "relaxation_time": times,
+        "relaxation_factor": factors,
+        "edge_constrained": sheet.constrained,
+        "u_measured": sheet.u[None],
+        "relative_thickness": sheet.relative_thickness,
+        "noise_scatter": np.concatenate([each.noise.scatter for each in sheet.cases]),
+        "noise_level": np.concatenate([each.noise.level for each in sheet.cases]),
+        "camera_angle": np.degrees(np.concatenate([each.camera_angle for each in sheet.cases])),
+    }
+
+
+def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> dict:
+    """What its measurement says of itself, but for units, loads and raw files."""
+    return {
+        "outline": specimen.outline,
+        "grid": "measured",
+        "thickness": specimen.thickness,
+        "noise_sources": [each.noise.source for each in sheet.cases],
+        "noise_uncertainty": NOISE_UNCERTAINTY,
+        "outliers": sheet.outliers,
+        **{key: max(getattr(each.test, key) for each in sheet.cases) for key in FORCE_ERRORS},
+        "correlation_window": specimen.correlation_window,
+        "correlation_kernel": specimen.correlation_kernel,
+        "frames": [each.numbers.tolist() for each in sheet.cases],
+        "elastic_terms": [list(each.relaxation.terms) for each in sheet.cases],
+        "pace": [each.relaxation.pace for each in sheet.cases],
+        "field_corners": (sheet.field + corner).tolist(),
+        "lost_points": sheet.lost_points,
+        "forces": "measured" if sheet.forces_known else "assumed",
+        "force_findings": [sentence for each in sheet.cases for sentence in each.findings],
+    }
