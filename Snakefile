@@ -19,6 +19,7 @@ from hypernode.pipeline.dag import (
     run_files,
     stage_file,
 )
+from hypernode.pipeline.nodes import keep_compiled_by_machine, show_run_alive
 from hypernode.pipeline.resources import memory, runtime
 from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory
 from hypernode.pipeline.shown import (
@@ -94,6 +95,8 @@ TARGETS = [
 ]
 
 limit_memory(workflow)
+keep_compiled_by_machine(workflow)
+show_run_alive(workflow)
 
 
 include: "workflow/rules/forward.smk"

@@ -8,6 +8,10 @@ from hypernode.config.model import Config
 from hypernode.pipeline.sources import specimen_files
 
 
+#: Memory of the two Snakemakes that stand above a job of a group on a node, which has to hold them as well [MB].
+SNAKEMAKE = 300
+
+
 @dataclass(frozen=True)
 class Size:
     """How large the sheet of a case is: cells of its finest grid, and load steps of all its tests."""
@@ -39,7 +43,8 @@ class Need:
     def megabytes(self, size: Size, attempt: int = 1) -> int:
         """Memory of a job [MB]; of every further attempt as much again."""
         cells = size.cells / 1000
-        return round(attempt * (self.memory + cells * (self.a_cell + size.steps * self.a_state + cells * self.a_pair)))
+        grown = cells * (self.a_cell + size.steps * self.a_state + cells * self.a_pair)
+        return round(attempt * (SNAKEMAKE + self.memory + grown))
 
     def runtime(self, size: Size, attempt: int = 1) -> int:
         """Time of a job [minutes]; of every further attempt as much again."""
