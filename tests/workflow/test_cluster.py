@@ -28,16 +28,18 @@ CONFIG = {
     "cases": {
         "disc": {
             **{"geometry": "disc", "inclusion": "stiff", "matrix": "soft", "loads": ["pull"]},
-            "methods": ["few"],
+            **{"cells": [8, 8], "methods": ["few"]},
         }
     },
 }
 
 
-def command(folder, profile, *arguments, cells=8):
+def command(folder, profile, *arguments, long=False):
     folder.mkdir(exist_ok=True)
     config = copy.deepcopy(CONFIG)
-    config["cases"]["disc"]["cells"] = [cells, cells]
+    if long:
+        config["cases"]["disc"]["cells"] = [120, 120]
+        config["loads"]["pull"]["stretches"] = [1 + 0.01 * step for step in range(1, 31)]
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     line = [sys.executable, "-m", "snakemake", TARGET, "--snakefile", str(ROOT / "Snakefile"), "--jobs", "2"]
     line += ["--profile", str(ROOT / "profiles" / profile), "--directory", str(folder), "--latency-wait", "10"]
@@ -90,9 +92,9 @@ def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of
 
 
 def _run_with_a_job_at_work(folder, queue_folder, environment):
-    """A Snakemake, started, one of whose jobs has begun to compute, half a minute's work."""
+    """A Snakemake, started, one of whose jobs has begun to compute, a minute's work."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run = subprocess.Popen(command(folder, "cluster-generic", cells=120), env=environment, start_new_session=True, **quiet)
+    run = subprocess.Popen(command(folder, "cluster-generic", long=True), env=environment, start_new_session=True, **quiet)
     end = time.monotonic() + 60
     while time.monotonic() < end and not list((folder / "results/logs").rglob("forward.log")):
         time.sleep(0.1)

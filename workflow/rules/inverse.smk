@@ -118,6 +118,8 @@ rule baseline:
         "results/logs/{case}/{method}/baseline.log",
     benchmark:
         "results/benchmarks/{case}/{method}/baseline.jsonl"
+    group:
+        "field"
     wildcard_constraints:
         method="|".join(map(re.escape, BASELINES)) or "none",
     threads: 1

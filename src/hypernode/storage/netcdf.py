@@ -1,6 +1,7 @@
 """The one place that writes and reads data files."""
 
 import contextlib
+import glob
 import json
 import os
 import secrets
@@ -149,7 +150,11 @@ def write_bytes_atomically(
 def _temporary(path: Path):
     # Two machines that share the folder may have processes of one number.
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp{path.suffix}")
+    # What a job left that was killed, for its memory say; nobody else writes this file meanwhile.
+    left = path.parent.glob(f".{glob.escape(path.name)}.*.tmp{glob.escape(path.suffix)}")
     try:
+        for each in left:
+            each.unlink(missing_ok=True)
         yield temporary
     finally:
         with contextlib.suppress(OSError):
