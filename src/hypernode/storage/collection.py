@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from hypernode.storage.netcdf import ancestry, read, write_bytes_atomically
+from hypernode.storage.netcdf import ancestry, check_schema, read, write_bytes_atomically
 from hypernode.storage.records import sha256
-from hypernode.storage.schema import SCHEMA_VERSION
+from hypernode.storage.schema import SCHEMA_VERSION, VARIABLES
 
 #: What all sheets of a population share, as they have one mesh.
 SHARED = ("X", "cells", "corners", "stretch")
@@ -49,6 +49,7 @@ def write_collection(path: str, sheets: Iterable[str | Path], attributes: Mappin
         "parents": json.dumps(ancestry(Path(path), files), sort_keys=True),
         **{k: v if isinstance(v, str) else json.dumps(v, sort_keys=True) for k, v in attributes.items()},
     }
+    check_schema(dataset, path)
     write_bytes_atomically(path, lambda temporary: _store(dataset, temporary), attributes, files)
 
 
@@ -64,10 +65,8 @@ def _labels(files: list[Path], opened: list[xr.Dataset]) -> dict[str, tuple]:
             | {"seed": settings["noise"].get(case.get("noise"), {}).get("seed", 0)}
             | {"verdict": verdict, "level": verdict.partition(":")[0]}
         )
-    described = {"digest": "SHA-256 of the file of the sheet", "level": "overall level of the verdict"}
     return {
-        key: ("sheet", np.array([row[key] for row in rows]), {"long_name": described.get(key, f"{key} of the sheet")})
-        for key in rows[0]
+        key: ("sheet", np.array([row[key] for row in rows]), {"long_name": VARIABLES[key].long_name}) for key in rows[0]
     }
 
 

@@ -33,6 +33,8 @@ def check_schema(dataset: xr.Dataset, where: str = "dataset") -> None:
         if name not in VARIABLES:
             raise StorageError(f"{where}: variable '{name}' is not in the storage schema")
         wanted = VARIABLES[name].dims
+        if variable.dims[:1] == ("sheet",) != wanted[:1]:
+            wanted = ("sheet", *wanted)
         if tuple(variable.dims) != wanted:
             raise StorageError(f"{where}: {name}: dimensions {variable.dims}, the schema says {wanted}")
         if variable.dtype.kind == "f" and np.isinf(variable.values).any():
