@@ -142,7 +142,9 @@ SCHEMAS = {"files": schema_files, "config": schema_config}
 
 def add_idle(commands) -> None:
     """``idle``."""
-    commands.add_parser("idle", help="exit code 0 where no workflow and no job runs in this folder, on any machine").set_defaults(run=idle)
+    commands.add_parser(
+        "idle", help="exit code 0 where no workflow and no job runs in this folder, on any machine"
+    ).set_defaults(run=idle)
 
 
 def idle(arguments) -> int:

@@ -27,7 +27,9 @@ def test_a_job_has_sheets_of_one_group_and_every_sheet_has_one_job():
 def test_one_more_seed_changes_the_last_job_of_each_group_and_one_more_shape_changes_none():
     before = settings(plan())
     more_seeds = settings(plan(seeds=4))
-    assert [batch for batch in before if before[batch] != more_seeds[batch]] == [b for b in before if b.endswith(".0001")]
+    assert [batch for batch in before if before[batch] != more_seeds[batch]] == [
+        b for b in before if b.endswith(".0001")
+    ]
     fewer_shapes = settings(plan(geometry=["disc"]))
     assert fewer_shapes == {batch: before[batch] for batch in fewer_shapes}
 

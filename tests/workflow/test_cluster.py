@@ -94,7 +94,9 @@ def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of
 def _run_with_a_job_at_work(folder, queue_folder, environment):
     """A Snakemake, started, one of whose jobs has begun to compute, a minute's work."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run = subprocess.Popen(command(folder, "cluster-generic", long=True), env=environment, start_new_session=True, **quiet)
+    run = subprocess.Popen(
+        command(folder, "cluster-generic", long=True), env=environment, start_new_session=True, **quiet
+    )
     end = time.monotonic() + 60
     while time.monotonic() < end and not list((folder / "results/logs").rglob("forward.log")):
         time.sleep(0.1)

@@ -46,7 +46,9 @@ def test_the_collection_has_every_sheet_and_its_fields_are_those_of_a_case_run_s
 
 def test_every_sheet_has_its_own_record_and_the_whole_folder_is_intact(ran):
     records = sorted((ran / "populations/many").glob("*/*.nc.json"))
-    assert [json.loads(record.read_text())["run"]["case"] for record in records] == [f"camera-{k:04d}" for k in range(3)]
+    assert [json.loads(record.read_text())["run"]["case"] for record in records] == [
+        f"camera-{k:04d}" for k in range(3)
+    ]
     assert verify(ran) == []
 
 

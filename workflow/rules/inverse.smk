@@ -118,10 +118,10 @@ rule baseline:
         "results/logs/{case}/{method}/baseline.log",
     benchmark:
         "results/benchmarks/{case}/{method}/baseline.jsonl"
-    group:
-        "field"
     wildcard_constraints:
         method="|".join(map(re.escape, BASELINES)) or "none",
+    group:
+        "field"
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "baseline"),

@@ -7,7 +7,6 @@ from functools import cache
 from hypernode.config.model import Config
 from hypernode.pipeline.sources import specimen_files
 
-
 #: Memory of the two Snakemakes that stand above a job of a group on a node, which has to hold them as well [MB].
 SNAKEMAKE = 300
 

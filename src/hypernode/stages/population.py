@@ -38,9 +38,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
         forward.run(config, name, files["truth"], files["forward"], attributes)
         measurement.run(config, name, files["forward"], files["measurement"], attributes)
         constrained.run(method.constrained, name, files["measurement"], files["constrained"], attributes)
-        gradient.run(
-            method.gradient, name, files["measurement"], files["gradient"], attributes, files["constrained"]
-        )
+        gradient.run(method.gradient, name, files["measurement"], files["gradient"], attributes, files["constrained"])
         files["field"] = files["gradient"]
         learnt = {key: files[key] for key in ("measurement", "field", "constrained")}
         baseline.run(method, name, learnt, files["material"], attributes)

@@ -24,9 +24,7 @@ def population_table(collection: xr.Dataset) -> Table:
     columns = {
         name: column for name, column in COLUMNS["runs"].items() if f"score.{column.key}" in collection.variables
     } | {VERDICTS: Column("", "text")}
-    scores = {
-        name: collection[f"score.{column.key}"].values for name, column in columns.items() if name != VERDICTS
-    }
+    scores = {name: collection[f"score.{column.key}"].values for name, column in columns.items() if name != VERDICTS}
     labels = np.stack([collection[key].values.astype(str) for key in GROUP], axis=1)
     levels = collection["level"].values.astype(str)
     rows = []
