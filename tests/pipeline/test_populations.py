@@ -50,3 +50,12 @@ def test_a_job_of_more_sheets_declares_more_time_and_no_more_memory():
     first = next(iter(one.batches))
     assert three.runtime(first, 1) > one.runtime(first, 1) and three.memory(first, 1) == one.memory(first, 1)
     assert one.memory(first, 2) == 2 * one.memory(first, 1)
+
+
+def test_twenty_sheets_declare_a_quarter_more_memory_and_twice_the_time_that_was_measured():
+    raw = config_with(seeds=20, batch=20, cells=[24, 24])
+    raw["loads"]["pull"]["stretches"] = [1.05, 1.1, 1.15]
+    planned = planned_populations(check_config(raw))["many"]
+    first = next(iter(planned.batches))
+    assert planned.memory(first, 1) >= 1.25 * 680
+    assert planned.runtime(first, 1) >= 2 * 518 / 60

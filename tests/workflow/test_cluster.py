@@ -79,7 +79,7 @@ def queue(request, tmp_path):
 
 def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of_one_machine(local, queue, tmp_path):
     line = command(tmp_path / "run", "cluster-generic", "--set-resources", *TOO_LITTLE)
-    done = subprocess.run(line, capture_output=True, text=True, env=queue, timeout=300)
+    done = subprocess.run(line, capture_output=True, text=True, env=queue, timeout=900)
     assert done.returncode == 0, done.stderr[-3000:]
     killed, again, last = jobs(tmp_path / "queue")
     assert (killed["state"], again["state"], last["state"]) == ("OUT_OF_MEMORY", "COMPLETED", "COMPLETED")
@@ -145,7 +145,7 @@ def test_slurm_gives_the_bytes_of_one_machine_though_it_kills_for_memory(profile
         # It has no accounting to be asked.
         own = ["--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "5"]
     line = command(tmp_path / "run", profile, *own, "--set-resources", *TOO_LITTLE)
-    done = subprocess.run(line, capture_output=True, text=True, env=slurm, timeout=400)
+    done = subprocess.run(line, capture_output=True, text=True, env=slurm, timeout=900)
     assert done.returncode == 0, done.stderr[-3000:]
     listed = ["squeue", "--states=all", "--noheader", "--format=%i %T %m"]
     states = [each.split() for each in subprocess.check_output(listed, text=True).splitlines()]
