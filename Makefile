@@ -5,17 +5,20 @@ DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws felupe engines pyvale-env al-dic-env smoke browser accuracy endurance wheel pythons \
-    docs doctest report bench clean
+.PHONY: all resume verdict test lint unit laws felupe engines pyvale-env al-dic-env smoke browser accuracy endurance cluster \
+    slurm wheel pythons docs doctest report bench clean
+
+# On a cluster: make PROFILE=profiles/slurm
+RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
 
 all: $(VENV)/run
-	$(BIN)/snakemake --cores $(CORES)
+	$(RUN)
 
-# After a crash or a kill: unlocks, but only where no run is going on, and finishes what is missing.
+# After a crash or a kill: unlocks, but only where no run is going on, on any machine, and finishes what is missing.
 resume: $(VENV)/run
 	$(BIN)/python -m hypernode idle
 	$(BIN)/snakemake --unlock
-	$(BIN)/snakemake --cores $(CORES) --rerun-incomplete
+	$(RUN) --rerun-incomplete
 
 # How far each run can be believed, the worst first; fails where a run does.
 verdict: $(VENV)/run
@@ -64,6 +67,16 @@ browser: $(VENV)/browser
 endurance: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/workflow/test_endurance.py --endurance
 
+# A few jobs through a queue of this machine that kills for memory as a cluster does: 3 minutes.
+cluster: $(VENV)/cluster
+	$(BIN)/python -m pytest -q tests/workflow/test_cluster.py --cluster
+
+# The same through a Slurm of one node, started and taken down by itself; as root, 7 minutes.
+slurm: $(VENV)/cluster
+	command -v slurmctld >/dev/null && command -v munged >/dev/null || \
+	    (apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends slurm-wlm munge)
+	$(BIN)/python -m pytest -q tests/workflow/test_cluster.py --slurm
+
 # A wheel in new environments without the repository, bare and with the pipeline: 5 minutes.
 wheel: $(VENV)/dev
 	$(BIN)/python -m pytest -q tests/packaging --wheel
@@ -100,6 +113,10 @@ $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 
 $(VENV)/dev: requirements-dev.txt $(VENV)/run
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+	touch $@
+
+$(VENV)/cluster: requirements-cluster.txt $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-cluster.txt
 	touch $@
 
 $(VENV)/browser: requirements-browser.txt $(VENV)/dev

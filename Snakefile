@@ -19,6 +19,8 @@ from hypernode.pipeline.dag import (
     run_files,
     stage_file,
 )
+from hypernode.pipeline.nodes import keep_compiled_by_machine, show_run_alive
+from hypernode.pipeline.populations import for_batch, planned_populations
 from hypernode.pipeline.resources import memory, runtime
 from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory
 from hypernode.pipeline.shown import (
@@ -61,6 +63,7 @@ ONLY_PRETRAINED = [name for name in METHODS if only_pretrained(CONFIG, name)]
 FULLY_TRAINED = [name for name in METHODS if name not in (*BASELINES, *ONLY_PRETRAINED)]
 FIGURES = figure_runs(CONFIG, CASES)
 EXPLORED = explored_runs(CONFIG, CASES)
+POPULATIONS = planned_populations(CONFIG)
 CODE = code_params(Path(workflow.basedir) / "workflow" / "scripts")
 
 
@@ -69,6 +72,8 @@ wildcard_constraints:
     method="|".join(map(re.escape, METHODS)) or "none",
     figure="|".join(map(re.escape, FIGURES)) or "none",
     table="|".join(map(re.escape, CONFIG.tables)),
+    population="|".join(map(re.escape, POPULATIONS)) or "none",
+    batch="[^/]+",
 
 
 localrules:
@@ -76,6 +81,7 @@ localrules:
     crate,
     explorer,
     figure,
+    population_table,
     table,
 
 
@@ -92,9 +98,12 @@ TARGETS = [
         for kind in ("csv", "md", "tex")
     ],
     *[f"results/{case}/{method}/explorer.html" for case, method in EXPLORED],
+    *[file for population in POPULATIONS.values() for file in population.outputs],
 ]
 
 limit_memory(workflow)
+keep_compiled_by_machine(workflow)
+show_run_alive(workflow)
 
 
 include: "workflow/rules/forward.smk"
@@ -105,6 +114,7 @@ include: "workflow/rules/inverse.smk"
 include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/explorer.smk"
+include: "workflow/rules/population.smk"
 include: "workflow/rules/crate.smk"
 
 
@@ -116,10 +126,13 @@ onsuccess:
     # Reading results takes packages that no job should wait for.
     from hypernode.tables.verdicts import tally
 
-    print(
-        tally(f"results/{case}/{method}/evaluation.nc" for case, method in RUNS),
-        file=sys.stderr,
-    )
+    if RUNS:
+        print(
+            tally(
+                f"results/{case}/{method}/evaluation.nc" for case, method in RUNS
+            ),
+            file=sys.stderr,
+        )
 
 
 rule all:

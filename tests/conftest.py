@@ -13,6 +13,8 @@ def pytest_addoption(parser):
     parser.addoption("--smoke", action="store_true", help="also run the whole DAG on a small case")
     parser.addoption("--accuracy", action="store_true", help="also hold the tables of config/accuracy.yaml in bounds")
     parser.addoption("--endurance", action="store_true", help="also kill runs and fill disks, for minutes")
+    parser.addoption("--cluster", action="store_true", help="also run through a queue that kills for memory")
+    parser.addoption("--slurm", action="store_true", help="also run through a Slurm of one node, as root")
     parser.addoption("--wheel", action="store_true", help="also install a wheel in new environments, for minutes")
     parser.addoption(
         "--pythons", action="store_true", help="also run tests with every Python that is here, for minutes"

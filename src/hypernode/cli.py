@@ -143,24 +143,20 @@ SCHEMAS = {"files": schema_files, "config": schema_config}
 
 def add_idle(commands) -> None:
     """``idle``."""
-    commands.add_parser("idle", help="exit code 0 where no workflow runs in this folder").set_defaults(run=idle)
+    commands.add_parser(
+        "idle", help="exit code 0 where no workflow and no job runs in this folder, on any machine"
+    ).set_defaults(run=idle)
 
 
 def idle(arguments) -> int:
-    """Whether no workflow is running in this folder, so that its lock may be taken away."""
-    here, running = Path.cwd().resolve(), []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            words = (process / "cmdline").read_bytes().decode(errors="replace").split("\0")
-            at = (process / "cwd").resolve()
-        except OSError:
-            continue
-        if at == here and any(Path(word).name == "snakemake" for word in words[:4]):
-            running.append(process.name)
+    """Whether no workflow and no job of one is at work in this folder, on any machine, so that its lock may go."""
+    from hypernode.pipeline.liveness import at_work
+
+    running = at_work()
     if running:
-        print(f"error: a run is going on in this folder (process {', '.join(running)})", file=sys.stderr)
-        return 1
-    return 0
+        shown = "; ".join(running[:5]) + ("; ..." if len(running) > 5 else "")
+        print(f"error: {len(running)} at work in this folder ({shown}): wait, or end them", file=sys.stderr)
+    return int(bool(running))
 
 
 def add_export_csv(commands) -> None:

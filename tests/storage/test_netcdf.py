@@ -70,3 +70,11 @@ def test_a_folder_of_results_can_be_moved_and_read_from_anywhere(tmp_path, monke
     store(tmp_path / "parent.nc", stretch=np.array([1.5]))
     monkeypatch.chdir(tmp_path)
     assert "../parent.nc" in read(tmp_path / "new/run/child.nc").attrs["parents"]
+
+
+def test_what_a_killed_job_left_of_a_file_goes_when_it_is_written_and_other_files_stay(tmp_path):
+    left, other = tmp_path / ".a.nc.1f2e.tmp.nc", tmp_path / ".ba.nc.1f2e.tmp.nc"
+    left.touch()
+    other.touch()
+    store(tmp_path / "a.nc")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [other.name, "a.nc", "a.nc.json"]

@@ -16,6 +16,8 @@ rule evaluation:
         "results/logs/{case}/{method}/evaluation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/evaluation.jsonl"
+    group:
+        "judged"
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "evaluation"),
@@ -66,6 +68,8 @@ rule references:
         "results/logs/{case}/{method}/references.log",
     benchmark:
         "results/benchmarks/{case}/{method}/references.jsonl"
+    group:
+        "judged"
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "references"),

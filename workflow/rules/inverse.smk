@@ -120,6 +120,8 @@ rule baseline:
         "results/benchmarks/{case}/{method}/baseline.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, BASELINES)) or "none",
+    group:
+        "field"
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "baseline"),

@@ -113,3 +113,19 @@ class Grid(Sheet):
     """Load cases of every test."""
     methods: list[str] = Field(default=["hypernode"], min_length=1)
     """Presets, or methods of this configuration, that identify the material of every case."""
+
+
+class Population(Grid):
+    """Many synthetic sheets of which only the identified field, its evaluation and tables by group are kept.
+
+    A grid of cases that are not run stage by stage but by jobs of many sheets each; they have no figures.
+    """
+
+    batch: Count = 20
+    """Most sheets that one job identifies; they are of one geometry and one pair of materials."""
+    seeds: Count = 1
+    """Tests of every sheet with each noise, which differ in their seed alone: the noise's own and those after it. The
+    template refers to noise and seed together as ``{noise}``: the name of the noise, or with several seeds NOISE-SEED.
+    """
+    methods: list[str] = Field(default=["field"], min_length=1, max_length=1)
+    """The one method, without networks and with a constrained field, a preset or of this configuration."""

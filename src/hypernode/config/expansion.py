@@ -20,15 +20,15 @@ def all_cases(config: Config, where: Callable[..., str]) -> dict[str, Case]:
     for index, grid in enumerate(config.grid):
         at = f"{where('grid', index)}: grid.{index}"
         try:
-            expanded = _expand(grid)
+            block = expanded(grid)
         except ValueError as error:
             raise ConfigError(f"{at}: {error}") from None
-        for name in expanded:
+        for name in block:
             if name in cases:
                 raise ConfigError(f"{at}: it makes a case '{name}', which exists already")
             if not NAME.match(name):
                 raise ConfigError(f"{at}: '{name}' is no valid case name")
-        cases |= expanded
+        cases |= block
     named = {case.specimen for case in cases.values()}
     unnamed = [name for name in config.specimens if name not in named]
     for name in unnamed:
@@ -60,7 +60,12 @@ def specimen_explorers(cases: dict[str, Case]) -> list[ExploredRun]:
     ]
 
 
-def _expand(grid: Grid) -> dict[str, Case]:
+def expanded(grid: Grid) -> dict[str, Case]:
+    """The cases of a grid block by their names.
+
+    Raises:
+        ValueError: the template of the names gives one twice, or refers to what is not swept.
+    """
     swept = {
         key: value if isinstance(value, list) else [value]
         for key in ("geometry", "inclusion", "matrix", "noise")

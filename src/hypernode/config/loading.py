@@ -9,6 +9,7 @@ from hypernode.config.cases import Case
 from hypernode.config.errors import ConfigError
 from hypernode.config.expansion import all_cases, specimen_explorers, specimen_figures
 from hypernode.config.model import Config
+from hypernode.config.populations import check_populations
 from hypernode.config.presets import lineage, presets, resolved_methods
 from hypernode.config.problems import describe, near, written_path
 from hypernode.config.references import unknown_references
@@ -57,9 +58,11 @@ def _checked(sources: Sources) -> Config:
         raise ConfigError(f"{sources.parts[0].name}: an anchor holds itself") from None
     config = _validated(raw, sources)
     cases = all_cases(config, sources.where)
-    if not cases:
-        raise ConfigError(f"{sources.parts[-1].name}: there is no case: add one under 'cases', 'grid' or 'specimens'")
-    named = {method for case in cases.values() for method in case.methods}
+    if not cases and not config.populations:
+        raise ConfigError(
+            f"{sources.parts[-1].name}: there is no case: add one under 'cases', 'grid', 'specimens' or 'populations'"
+        )
+    named = {method for case in (*cases.values(), *config.populations.values()) for method in case.methods}
     shipped = {name: preset for name, preset in presets().items() if name in named - config.methods.keys()}
     config = config.model_copy(
         update={
@@ -124,6 +127,7 @@ def _check_meaning(config: Config, sources: Sources) -> None:
         if specimen.thickness_map and not Path(specimen.thickness_map).is_file():
             where = sources.where("specimens", name, "thickness_map")
             raise ConfigError(f"{where}: specimens.{name}.thickness_map = {specimen.thickness_map!r}: no such file")
+    check_populations(config, sources.where)
     # A sheet that others are compared with needs none.
     compared = {other for case in config.cases.values() for other in case.references.values()}
     for name, case in config.cases.items():

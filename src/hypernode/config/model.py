@@ -4,7 +4,7 @@ from typing import get_args
 
 from pydantic import field_validator, model_validator
 
-from hypernode.config.cases import Case, Grid
+from hypernode.config.cases import Case, Grid, Population
 from hypernode.config.geometries import Geometry
 from hypernode.config.methods import Method
 from hypernode.config.outputs import ExploredRun, Figure, RunTable, Table
@@ -41,6 +41,8 @@ class Config(Section):
     """What is identified."""
     grid: list[Grid] = []
     """Products of lists, each of which becomes many cases."""
+    populations: dict[str, Population] = {}
+    """Products of lists, each of which is one file of many sheets."""
     figures: dict[str, Figure] = {}
     """Figures; left out, one of the identification for every run of a specimen."""
     tables: dict[str, Table] = {}

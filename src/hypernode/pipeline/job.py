@@ -13,6 +13,7 @@ import traceback
 from hypernode.errors import ExpectedError
 from hypernode.pipeline.compiler import DOUBLE_PRECISION, set_up_compiler
 from hypernode.pipeline.cores import claimed_cores
+from hypernode.pipeline.liveness import shown_alive
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
@@ -66,11 +67,11 @@ def job(snakemake):
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
     params, run = snakemake.params, dict(snakemake.wildcards)
-    with claimed_cores(snakemake.threads):
+    where = ", ".join(f"{key} {value}" for key, value in run.items())
+    with claimed_cores(snakemake.threads), shown_alive(f"{snakemake.rule} ({where})"):
         try:
             yield describe(snakemake.rule, run, params.get("settings", {}), params.code)
         except (ExpectedError, ValueError, OSError) as error:
-            where = ", ".join(f"{key} {value}" for key, value in run.items())
             with contextlib.suppress(OSError):
                 traceback.print_exc(file=log)
             print(f"error in {snakemake.rule} ({where}): {error}", file=sys.stderr)

@@ -7,6 +7,9 @@ from functools import cache
 from hypernode.config.model import Config
 from hypernode.pipeline.sources import specimen_files
 
+#: Memory of the two Snakemakes that stand above a job of a group on a node, which has to hold them as well [MB].
+SNAKEMAKE = 300
+
 
 @dataclass(frozen=True)
 class Size:
@@ -39,11 +42,16 @@ class Need:
     def megabytes(self, size: Size, attempt: int = 1) -> int:
         """Memory of a job [MB]; of every further attempt as much again."""
         cells = size.cells / 1000
-        return round(attempt * (self.memory + cells * (self.a_cell + size.steps * self.a_state + cells * self.a_pair)))
+        grown = cells * (self.a_cell + size.steps * self.a_state + cells * self.a_pair)
+        return round(attempt * (SNAKEMAKE + self.memory + grown))
 
     def runtime(self, size: Size, attempt: int = 1) -> int:
         """Time of a job [minutes]; of every further attempt as much again."""
-        return round(attempt * (self.minutes + self.minutes_a_state * size.steps * size.cells / 1000))
+        return round(attempt * (self.minutes + self.minutes_a_sheet(size)))
+
+    def minutes_a_sheet(self, size: Size) -> float:
+        """Time of one of many sheets in one job, without what they share [minutes]."""
+        return self.minutes_a_state * size.steps * size.cells / 1000
 
 
 #: Rule -> what it takes on one core: more than any job was measured to take, of memory a quarter, of time twice.
@@ -71,6 +79,9 @@ NEEDS = {
     "evaluation": Need(700, a_state=20),
     "validation": Need(800, a_cell=22, minutes_a_state=0.3),
     "references": Need(800, a_cell=22, minutes_a_state=0.3),
+    "population_batch": Need(1000, a_state=80, minutes=10, minutes_a_state=1.5),
+    "population": Need(500, minutes=30),
+    "population_table": Need(500, minutes=30),
     "figure": Need(700, minutes=3),
     "table": Need(300, minutes=3),
     "explorer": Need(900, a_cell=40, minutes=3, minutes_a_state=0),

@@ -1,8 +1,10 @@
 """The one place that writes and reads data files."""
 
 import contextlib
+import glob
 import json
 import os
+import secrets
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -31,6 +33,8 @@ def check_schema(dataset: xr.Dataset, where: str = "dataset") -> None:
         if name not in VARIABLES:
             raise StorageError(f"{where}: variable '{name}' is not in the storage schema")
         wanted = VARIABLES[name].dims
+        if variable.dims[:1] == ("sheet",) != wanted[:1]:
+            wanted = ("sheet", *wanted)
         if tuple(variable.dims) != wanted:
             raise StorageError(f"{where}: {name}: dimensions {variable.dims}, the schema says {wanted}")
         if variable.dtype.kind == "f" and np.isinf(variable.values).any():
@@ -146,8 +150,13 @@ def write_bytes_atomically(
 
 @contextlib.contextmanager
 def _temporary(path: Path):
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp{path.suffix}")
+    # Two machines that share the folder may have processes of one number.
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp{path.suffix}")
+    # What a job left that was killed, for its memory say; nobody else writes this file meanwhile.
+    left = path.parent.glob(f".{glob.escape(path.name)}.*.tmp{glob.escape(path.suffix)}")
     try:
+        for each in left:
+            each.unlink(missing_ok=True)
         yield temporary
     finally:
         with contextlib.suppress(OSError):

@@ -23,6 +23,8 @@ from hypernode.storage.errors import StorageError
 REQUIRED = ("sha256", "parents", "raw_inputs", "rule", "settings", "code", "versions")
 #: What describes a results folder as a whole; every other JSON file in one is a record.
 CRATE = "ro-crate-metadata.json"
+#: What Snakemake leaves in a folder that is the output of a rule.
+_TIMESTAMP = ".snakemake_timestamp"
 #: Folders of a run that hold no results: what a job said and how long it took.
 NOT_RESULTS = ("logs", "benchmarks")
 
@@ -43,7 +45,10 @@ def result_files(folder: Path) -> list[Path]:
     return sorted(
         path
         for path in folder.rglob("*")
-        if path.is_file() and path.relative_to(folder).parts[0] not in NOT_RESULTS and not is_record(path)
+        if path.is_file()
+        and path.relative_to(folder).parts[0] not in NOT_RESULTS
+        and not is_record(path)
+        and path.name != _TIMESTAMP
     )
 
 

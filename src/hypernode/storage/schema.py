@@ -38,6 +38,7 @@ DIMS = {
     "corner": "lower left, then upper right",
     "deformation_measure": "one measure of how a point is deformed, named in the attribute deformation_measures",
     "bound": "the smallest value, then the largest",
+    "sheet": "one sheet of a population, by name; fields of a collection have it before their own dimensions",
 }
 
 
@@ -195,6 +196,17 @@ VARIABLES = {
     "principal_strain_identified": Variable(
         ("load_step", "cell"), "1", "largest principal Green-Lagrange strain of the identified deformation"
     ),
+    # collections of populations
+    "case": Variable(("sheet",), "1", "name of the sheet"),
+    "method": Variable(("sheet",), "1", "method that identified it"),
+    "geometry": Variable(("sheet",), "1", "geometry of its inclusion"),
+    "inclusion": Variable(("sheet",), "1", "material inside"),
+    "matrix": Variable(("sheet",), "1", "material outside"),
+    "noise": Variable(("sheet",), "1", "measurement error, with its seed where there are several"),
+    "seed": Variable(("sheet",), "1", "seed of that error"),
+    "verdict": Variable(("sheet",), "1", "verdict on the sheet, with the criteria to blame"),
+    "level": Variable(("sheet",), "1", "overall level of the verdict"),
+    "digest": Variable(("sheet",), "1", "SHA-256 of the file of the sheet"),
     "P_field": Variable(
         ("load_step", "cell", "i", "J"), "stress", "identified P at the identified deformation, at the cell centres"
     ),
