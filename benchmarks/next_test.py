@@ -1,6 +1,6 @@
 """The further test that is advised against one drawn at random, on small sheets that are really identified with both.
 
-    python benchmarks/next_test.py [SHEETS]
+    python benchmarks/next_test.py [SHEETS [FIRST]]
 
 Each sheet has a stiff square, ellipse or band somewhere, one of three laws and one of three first tests. It is
 identified with its first test and with each further one beside it; what counts is the error of its stress against the
@@ -9,15 +9,14 @@ mean over all of them stands for it.
 """
 
 import json
-import os
 import sys
 import time
 from pathlib import Path
 
-os.environ.setdefault("JAX_PLATFORMS", "cpu")
-import jax
+from hypernode.pipeline.compiler import set_up_compiler
 
-jax.config.update("jax_enable_x64", True)
+# Sheets of one law share what is compiled.
+set_up_compiler(float64=True)
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
@@ -96,10 +95,10 @@ def compared(number: int):
     return first, [each.name for each in advice.tests], errors, error(found)
 
 
-def main(sheets: int) -> None:
+def main(sheets: int, start: int = 0) -> None:
     """Print a line a sheet and what they come to."""
     begin, advised, drawn, best, alone, ranks = time.monotonic(), [], [], [], [], []
-    for number in range(sheets):
+    for number in range(start, start + sheets):
         first, ranking, errors, before = compared(number)
         alone.append(before)
         advised.append(errors[ranking[0]])
@@ -117,4 +116,4 @@ def main(sheets: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 10)
+    main(*map(int, sys.argv[1:] or [10]))

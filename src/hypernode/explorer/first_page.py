@@ -17,11 +17,12 @@ FIGURE_FORMATS, TABLE_FORMATS = ("png", "pdf"), ("md", "csv", "tex")
 TOPICS = {
     "forward": "The sheet",
     "measurement": "What was measured",
+    "interpolant": "Deformation and equilibrium field",
     "inverse": "The material",
-    "interpolant": "Interpolated deformation",
     "evaluation": "How good it is",
     "figures": "Figures and tables",
-    "explorer": "Pages",
+    "explorer": "Explorers",
+    "first_page": "This page",
     "crate": "Where it came from",
 }
 _HEAD = """<!doctype html>
@@ -74,12 +75,19 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
 
 def _told(runs, commits: Mapping[str, int], settings) -> str:
     levels = count(verdict.overall for _, verdict, _ in runs) or "no run is evaluated"
-    made = ", ".join(f"<code>{escape(commit or 'not known')}</code> ({n} runs)" for commit, n in commits.items())
+    made = ", ".join(
+        f"<code>{escape(commit or 'not known')}</code> ({_counted(n, 'run')})" for commit, n in commits.items()
+    )
     names = ", ".join(f"<code>{escape(name)}</code>" for name in settings["configuration"])
     return (
-        f"<p>{len(runs)} runs of {len(settings['cases'])} cases: <strong>{escape(levels)}</strong>.</p>"
+        f"<p>{_counted(len(runs), 'run')} of {_counted(len(settings['cases']), 'case')}: "
+        f"<strong>{escape(levels)}</strong>.</p>"
         f"<p>Configuration: {names}. Commit of the project: {made or 'not known'}.</p>"
     )
+
+
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}" + ("" if number == 1 else "s")
 
 
 def _table(name: str, caption: str, columns: Iterable[str], rows: Iterable[str]) -> str:

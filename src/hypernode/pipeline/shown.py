@@ -129,7 +129,7 @@ def table_settings(config: Config, name: str) -> dict:
 def rules_by_topic(files: Iterable[Path]) -> dict[str, list[str]]:
     """Name of every file of rules among some files -> names of its rules."""
     return {
-        file.stem: re.findall(r"^rule (\w+):", file.read_text(encoding="utf-8"), re.MULTILINE)
+        file.stem: re.findall(r"^(?:use rule \w+ as|rule) (\w+)\b", file.read_text(encoding="utf-8"), re.MULTILINE)
         for file in files
         if file.suffix == ".smk"
     }
