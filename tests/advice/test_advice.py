@@ -154,7 +154,7 @@ def test_a_simulated_test_records_what_the_machine_can_tell_and_the_sheet_under_
 @pytest.mark.slow
 def test_the_predicted_ranking_is_that_of_identifications_with_two_tests():
     """Of a uniaxial test along x; what each pair leaves open where it was really identified."""
-    data, true = measured()
+    data, true = measured(cells=8)
     problem = field_problem(data, SETTINGS)
     found = descend(problem, SETTINGS, "one", None, (), SETTINGS.tolerance)
     kinds = {"equibiaxial": "biaxial", "uniaxial y": "uniaxial_y", "uniaxial_x again": "uniaxial_x"}
@@ -163,7 +163,7 @@ def test_the_predicted_ranking_is_that_of_identifications_with_two_tests():
     predicted = advise(problem, found.params, guesses, data, SETTINGS, tests, STRETCHES, "one")
     left = {}
     for name, kind in kinds.items():
-        pair = together(data, measured(kind, seed=7)[0])
+        pair = together(data, measured(kind, cells=8, seed=7)[0])
         both = descend(field_problem(pair, SETTINGS), SETTINGS, name, None, (), SETTINGS.tolerance)
         spread = StressSpread(both.objective, both.params, STRETCHES, 8, 0)
         left[name] = spread.variances([both.linear.nearly_curvature]).mean()

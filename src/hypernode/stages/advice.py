@@ -43,7 +43,7 @@ def run(folder: Path, larger: float = LARGER, count: int = PROBES) -> Advice:
     if "settings" not in field.attrs:
         raise AdviceError(f"{paths['constrained']}: does not say with which settings it was made: run it again")
     settings = Constrained.model_validate(json.loads(field.attrs["settings"])["constrained"])
-    problem, measurement = _problem(measurement, field, settings)
+    problem, measurement = _problem(str(paths["constrained"]), measurement, field, settings)
     _, stored = basis_field(field)
     params = np.empty((len(problem.mesh.cells), len(stored)))
     params[problem.refinement.subcells.T] = np.moveaxis(stored, 0, -1)
@@ -72,7 +72,7 @@ def _believed(name: str, files) -> None:
         )
 
 
-def _problem(measurement, field, settings: Constrained) -> tuple[FieldProblem, object]:
+def _problem(name: str, measurement, field, settings: Constrained) -> tuple[FieldProblem, object]:
     """The problem whose answer a field is, and the measurement as the identification took it in the end."""
     basis, stored = basis_field(field)
     subcells, sigma = round(stored.shape[1] ** 0.5), float(field.attrs["displacement_sigma"])
@@ -84,6 +84,6 @@ def _problem(measurement, field, settings: Constrained) -> tuple[FieldProblem, o
         if abs(problem.sigma - sigma) <= ROUNDING * sigma:
             return problem, taken
     raise AdviceError(
-        "the uncertainty of the displacements is another one than when the field was identified, "
+        f"{name}: the uncertainty of the displacements is another one than when the field was identified, "
         f"{problem.sigma:.4g} and {sigma:.4g}: run it again"
     )
