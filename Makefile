@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 CORES ?= 2
 
 .PHONY: all resume verdict test lint unit laws felupe engines pyvale-env al-dic-env smoke browser accuracy endurance cluster \
-    slurm wheel pythons docs doctest report bench clean
+    slurm wheel pythons docs doctest report bench next-test clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
@@ -98,6 +98,11 @@ report: $(VENV)/run
 	mkdir -p .cache
 	$(BIN)/snakemake --report .cache/report.zip
 	$(BIN)/python -m hypernode audit report .cache/report.zip results
+	@echo 'begin with results/index.html'
+
+# The further test that is advised against a random one, on ten small sheets: a quarter of an hour.
+next-test: $(VENV)/dev
+	$(BIN)/python benchmarks/next_test.py 10
 
 bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py

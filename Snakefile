@@ -7,7 +7,7 @@ from pathlib import Path
 
 from snakemake.utils import min_version
 
-from hypernode.config.command_line import run_config
+from hypernode.config.command_line import configuration_files, run_config
 from hypernode.config.errors import ConfigError
 from hypernode.config.slices import pictures_for, slice_for
 from hypernode.pipeline.dag import (
@@ -28,6 +28,8 @@ from hypernode.pipeline.shown import (
     explorer_inputs,
     figure_inputs,
     figure_runs,
+    first_page_settings,
+    rules_by_topic,
     table_inputs,
     table_settings,
 )
@@ -41,6 +43,9 @@ from hypernode.pipeline.sources import (
 )
 
 min_version("9.27")
+
+
+report: "workflow/report/workflow.rst"
 
 
 try:
@@ -82,11 +87,11 @@ localrules:
     explorer,
     figure,
     population_table,
+    first_page,
     table,
 
 
-TARGETS = [
-    *dict.fromkeys(file for run in RUNS for file in run_files(CONFIG, *run)),
+SHOWN = [
     *[
         f"results/figures/{figure}.{kind}"
         for figure in FIGURES
@@ -99,6 +104,18 @@ TARGETS = [
     ],
     *[f"results/{case}/{method}/explorer.html" for case, method in EXPLORED],
     *[file for population in POPULATIONS.values() for file in population.outputs],
+]
+TARGETS = [
+    *dict.fromkeys(file for run in RUNS for file in run_files(CONFIG, *run)),
+    *SHOWN,
+    "results/index.html",
+]
+# Relative, so that a project that has moved is not another one.
+ROOT = Path(os.path.relpath(workflow.basedir))
+DEFINITION = [
+    ROOT / "Snakefile",
+    *sorted(ROOT.glob("workflow/rules/*.smk")),
+    *sorted(ROOT.glob("workflow/scripts/*.py")),
 ]
 
 limit_memory(workflow)
@@ -115,6 +132,7 @@ include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/population.smk"
+include: "workflow/rules/first_page.smk"
 include: "workflow/rules/crate.smk"
 
 

@@ -24,6 +24,7 @@ ALLOWED = {
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "pictures": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "progress", "mechanics", "fem", "data", "config"},
+    "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
     "evaluation": {
         "errors",
@@ -53,7 +54,7 @@ ALLOWED = {
     "pipeline": {"errors", "config", "dic", "pictures", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
-        *("synthetic", "pictures", "identification", "training", "evaluation", "explorer"),
+        *("verdict", "synthetic", "pictures", "identification", "advice", "training", "evaluation", "explorer"),
     },
     "commands": {
         *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
@@ -67,7 +68,12 @@ ALLOWED = {
     "__init__": {"material"},
 }
 #: What of the configuration the two ways to a material may see: the method, and nothing of case or truth.
-OWN_SECTIONS = {"identification": {"config.methods"}, "training": {"config.methods"}, "material": {"config.methods"}}
+OWN_SECTIONS = {
+    "identification": {"config.methods"},
+    "advice": {"config.methods"},
+    "training": {"config.methods"},
+    "material": {"config.methods"},
+}
 #: Modules with names that the configuration reads, free of imports of this package.
 FREE_OF_IMPORTS = {"mechanics.loads", "mechanics.parameters", "networks.terms", "tables.columns", "tables.limits"}
 #: The functions of a measurement of which only stages, figures and tables may open files.
@@ -156,7 +162,7 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 
 
 @pytest.mark.parametrize(
-    "name", ["identification", "training", "evaluation", "synthetic", "data", "fem", "mechanics", "export"]
+    "name", ["identification", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics", "export"]
 )
 def test_mathematics_opens_no_file(name):
     wrong = [

@@ -10,6 +10,9 @@ from sphinx.ext.napoleon import Config, GoogleDocstring
 PUBLIC = (
     ("hypernode.load_material", "material/files.py", "load_material", False),
     ("hypernode.material.field.Material", "material/field.py", "Material", True),
+    ("hypernode.stages.advice.run", "stages/advice.py", "run", False),
+    ("hypernode.advice.further_test.Advice", "advice/further_test.py", "Advice", False),
+    ("hypernode.advice.further_test.FurtherTest", "advice/further_test.py", "FurtherTest", False),
     ("hypernode.storage.netcdf.read", "storage/netcdf.py", "read", False),
 )
 _SETTINGS = Config(napoleon_use_ivar=True, napoleon_use_rtype=False)

@@ -5,7 +5,13 @@ NAVIGATION = {
     "Begin": ("tutorial",),
     "How to": (
         *("how-to/add-a-case", "how-to/use-your-own-dic-data", "how-to/several-tests", "how-to/forces"),
-        *("how-to/lost-points-holes-and-masks", "how-to/noise", "how-to/read-verdicts", "how-to/export"),
+        *(
+            "how-to/lost-points-holes-and-masks",
+            "how-to/noise",
+            "how-to/read-verdicts",
+            "how-to/next-test",
+            "how-to/export",
+        ),
         *("how-to/photograph-a-sheet", "how-to/correlate-your-pictures", "how-to/resume-after-a-crash", "how-to/audit"),
         *("how-to/clusters", "how-to/populations"),
     ),

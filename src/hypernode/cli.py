@@ -10,6 +10,7 @@ import os
 import sys
 from pathlib import Path
 
+from hypernode.commands.advise import add_advise
 from hypernode.commands.correlate import add_correlate
 from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
@@ -183,6 +184,7 @@ COMMANDS = (
     add_inspect,
     add_identify,
     add_explore,
+    add_advise,
     add_audit,
     add_verdict,
     add_schema,

@@ -1,12 +1,3 @@
-# Relative, so that a project that has moved is not another one.
-ROOT = Path(os.path.relpath(workflow.basedir))
-DEFINITION = [
-    ROOT / "Snakefile",
-    *sorted(ROOT.glob("workflow/rules/*.smk")),
-    *sorted(ROOT.glob("workflow/scripts/*.py")),
-]
-
-
 rule crate:
     input:
         targets=TARGETS,

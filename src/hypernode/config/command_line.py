@@ -41,3 +41,10 @@ def _with_nulls(value):
     if isinstance(value, dict):
         return {key: _with_nulls(inner) for key, inner in value.items()}
     return None if isinstance(value, str) and value in _NULL else value
+
+
+def configuration_files(workflow) -> list[str]:
+    """Names of the files of a run's configuration, and ``--config`` where it has any."""
+    settings = getattr(workflow, "config_settings", None)
+    names = [Path(file).name for file in getattr(settings, "configfiles", None) or ["config.yaml"]]
+    return [*names, *(["--config"] if getattr(settings, "config", None) else [])]

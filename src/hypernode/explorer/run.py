@@ -8,6 +8,7 @@ import xarray as xr
 
 from hypernode.data.lost import sheet_displacement
 from hypernode.data.measurement import mesh_of
+from hypernode.explorer.facts import facts
 from hypernode.explorer.forces import force_numbers, sheets_of_one_phase
 from hypernode.explorer.laws import pack_material, pack_posterior
 from hypernode.explorer.maps import maps_of
@@ -15,24 +16,10 @@ from hypernode.explorer.packing import Arrays
 from hypernode.material.files import material_of, posterior_material
 from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import units_of
-from hypernode.tables.columns import significant
 from hypernode.tables.verdicts import RunVerdict
 
 #: Bits of the numbers of nodes.
 COUNTING = 24
-#: Number of a summary -> its words, and what it is multiplied by.
-FACTS = {
-    "ending": ("Search for the equilibrium field", None),
-    "displacement_misfit": ("Displacement misfit over its error", 1.0),
-    "force_misfit": ("Force misfit over its error", 1.0),
-    "edge_force_error_identified": ("Edge forces missed by, at most [%]", 100.0),
-    "equilibrium_gap_identified": ("Stress out of equilibrium by, at most [%]", 100.0),
-    "spread": ("Posterior spread of the stiffness [%]", 100.0),
-    "phases_found": ("Phases found", None),
-    "inclusion_over_matrix": ("Stiffness of the inclusion over that of the matrix", 1.0),
-    "stress_error": ("Error of the stress against the truth [%]", 100.0),
-    "dice": ("Dice score of the shape", 1.0),
-}
 
 
 def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
@@ -73,7 +60,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "shape_stretch": float(evaluation.attrs["shape_stretch"]),
         "forces": force_numbers(evaluation),
         "sheets": sheets_of_one_phase(files),
-        "facts": _facts(summary),
+        "facts": [list(each) for each in facts(summary)],
         "start": _start(evaluation, mesh),
     }
 
@@ -98,16 +85,6 @@ def _packed_map(each, arrays: Arrays) -> dict:
     words = {key: getattr(each, key) for key in ("key", "title", "unit", "about", "colours", "least")}
     truth = None if each.truth is None else arrays.add(each.truth)
     return words | {"values": arrays.add(each.values), "truth": truth}
-
-
-def _facts(summary: Mapping) -> list[list[str]]:
-    """(words, value) of what the summary says."""
-    found = []
-    for key, (words, factor) in FACTS.items():
-        if summary.get(key) is not None:
-            value = summary[key]
-            found.append([words, str(value) if factor is None else significant(factor * float(value))])
-    return found
 
 
 def _start(evaluation, mesh) -> dict:

@@ -7,10 +7,12 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
-from hypernode.fem.mesh import Mesh
+from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.solver import EquilibriumSolver
-from hypernode.identification.observations import Boundary
+from hypernode.identification.observations import Boundary, Observations
+from hypernode.identification.settings import Strategy
 from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.loads import Load
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,12 @@ class FieldEquilibrium:
             {"params": np.tile(basis.start, (len(mesh.cells), 1))},
         )
 
+    @classmethod
+    def of(cls, observations: Observations, basis: ConvexBasis, strategy: Strategy) -> "FieldEquilibrium":
+        """That of the sheet of a test."""
+        mesh, thickness = observations.refinement.mesh, observations.relative_thickness
+        return cls(mesh, basis, observations.boundaries, strategy.newton_tolerance, thickness)
+
     @property
     def shape_gradients(self):
         """(dN_a/dX_J (cell, quad, 4, 2), quadrature weights (cell, quad))."""
@@ -79,6 +87,22 @@ class FieldEquilibrium:
                 return None
             found.append(State(reached.u, reached.force, boundary.free))
         return found
+
+    def under(
+        self, params: Float[np.ndarray, "cell parameter"], load: Load
+    ) -> tuple[Float[np.ndarray, "step node 2"], Float[np.ndarray, "step edge 2"]]:
+        """(displacement, outward force over thickness on every edge, NaN where free) under a load of its own.
+
+        Raises:
+            ConvergenceError: a step finds no equilibrium.
+        """
+        self._solver.set_parameters({"params": self.of_sheet(params)})
+        u, _ = self._solver.solve(load)
+        force = np.full((len(u), len(EDGE_NAMES), 2), np.nan)
+        for step, field in enumerate(u):
+            for (edge, component), value in self._solver.edge_forces(field, load).items():
+                force[step, EDGE_NAMES.index(edge), component] = value
+        return u, force
 
     def extension(self, params: Float[np.ndarray, "cell parameter"]) -> list[np.ndarray]:
         """First guesses: the prescribed displacements continued into the sheet by linear elasticity."""

@@ -59,6 +59,18 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
     return Objective(problem, regulariser, settings.regulariser_weight, cost, ridge, centre.ravel(), strategy)
 
 
+def objective_at_end(problem: FieldProblem, settings: Constrained, centre) -> Objective:
+    """What the last descent to a field minimised when it ended; ``centre`` as of a descent."""
+    objective = _objective(problem, settings, centre, settings.jump_scale)
+    return dataclasses.replace(objective, jump_cost=_last_cost(problem, settings, sharpen=problem.sharp))
+
+
+def _last_cost(problem: FieldProblem, settings: Constrained, sharpen: bool) -> JumpCost:
+    strategy = problem.strategy
+    finest = strategy.sharp_jump if sharpen else strategy.smallest_jump
+    return JumpCost(finest, settings.jump_scale, isotropic=True)
+
+
 def descend(
     problem: FieldProblem,
     settings: Constrained,
@@ -100,8 +112,7 @@ def descend(
     jumps = before is not None and (problem.divided or len(before.params) == len(params))
     objective = _objective(problem, settings, centre, settings.jump_scale if jumps else None)
     # There is nothing to sharpen yet where other terms follow for certain.
-    sharpen = problem.sharp and tolerance <= settings.tolerance
-    finest = strategy.sharp_jump if sharpen else strategy.smallest_jump
+    final = _last_cost(problem, settings, sharpen=problem.sharp and tolerance <= settings.tolerance)
     stage = f"constrained field ({described(problem)})"
     progress = Progress(stage, name, settings.iterations)
     damping, history, linear, step = strategy.first_damping, [objective.misfit(states, None)], None, None
@@ -130,17 +141,16 @@ def descend(
             jump_cost = dataclasses.replace(jump_cost, scale=settings.jump_scale)
         else:
             settled = close and jump_cost.isotropic and cost - after < tolerance * problem.cost_of_noise
-            if settled and jump_cost.smallest == finest:
+            if settled and jump_cost.smallest == final.smallest:
                 ending = Ending.CONVERGED
                 break
             share = objective.misfits(states, sigma, linear) / after
             if any(plateau.reached(history, share, strategy.convex_iterations) for plateau in plateaus):
                 ending = Ending.STAGNATED
                 break
-            jump_cost = dataclasses.replace(jump_cost, smallest=finest if settled else jump_cost.smallest)
+            jump_cost = dataclasses.replace(jump_cost, smallest=final.smallest if settled else jump_cost.smallest)
         jump_cost = dataclasses.replace(jump_cost, isotropic=jump_cost.isotropic or bool(close))
         objective = dataclasses.replace(objective, jump_cost=jump_cost)
-    final = JumpCost(finest, settings.jump_scale, isotropic=True)
     objective = dataclasses.replace(objective, jump_cost=final)
     if not problem.certain:
         linear = problem.linearise(params, states, problem.sigma)

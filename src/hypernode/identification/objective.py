@@ -101,6 +101,17 @@ class Objective:
         norm = float(np.linalg.norm(gradient))
         return Step(change, norm, solution.residual, solution.iterations, solution.deflation)
 
+    def precision(self, curvature: Callable, params, deflation=None) -> "NormalEquations":
+        """Systems with the inverse covariance of the posterior at a field (Laplace's approximation).
+
+        Args:
+            curvature: x -> J^T J x, of all tests together.
+            params: the field (cell, parameter).
+            deflation: what a solve of a similar system left, or None.
+        """
+        R, _, B = self._jump_roots(params)
+        return NormalEquations(curvature, R, B, self.ridge, deflation, self.strategy)
+
     def posterior_samples(
         self, linear: Jacobian, params, count: int, seed: int, deflation=None
     ) -> Float[np.ndarray, "posterior_sample cell parameter"]:
@@ -111,7 +122,7 @@ class Objective:
         """
         strategy = self.strategy
         R, _, B = self._jump_roots(params)
-        system = NormalEquations(linear.curvature, R, B, self.ridge, deflation, strategy)
+        system = self.precision(linear.curvature, params, deflation)
         random, fields = np.random.default_rng(seed), []
         for _ in range(count):
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
@@ -181,6 +192,10 @@ class NormalEquations:
     def solve(self, b, rtol: float, iterations: int, learn: bool = True) -> Solution:
         """The coordinates y to the relative residual ``rtol``, or as near as ``iterations`` come."""
         return self._solver.solve(self._to_coordinates @ b, rtol, iterations, learn)
+
+    def solve_columns(self, b, rtol: float, iterations: int):
+        """The same of several columns at a time (parameter, k), to their parameters."""
+        return self._to_params @ self._solver.solve_columns(self._to_coordinates @ b, rtol, iterations)
 
     def to_params(self, y):
         """x of the coordinates y."""

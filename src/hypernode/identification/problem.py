@@ -26,7 +26,7 @@ class FieldProblem:
     """The observations of a test and the equilibrium that ties a material field to them; see :func:`field_problem`.
 
     Attributes:
-        homogeneous: the homogeneous material that the test is closest to.
+        homogeneous: the homogeneous material that the test is closest to; None where no descent begins at it.
         forces: measured resultants.
     """
 
@@ -35,7 +35,7 @@ class FieldProblem:
         observations: Observations,
         basis: ConvexBasis,
         equilibrium: FieldEquilibrium,
-        homogeneous: Homogeneous,
+        homogeneous: Homogeneous | None,
         forces: list[EdgeForce],
         strategy: Strategy,
     ):
@@ -161,15 +161,36 @@ def field_problem(
     observations = observe(measurement, subcells, strategy, floor)
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
-    mesh = observations.refinement.mesh
-    equilibrium = FieldEquilibrium(
-        mesh, basis, observations.boundaries, strategy.newton_tolerance, observations.relative_thickness
-    )
+    equilibrium = FieldEquilibrium.of(observations, basis, strategy)
     homogeneous = fit_homogeneous(observations, basis, equilibrium, strategy)
-    forces = edge_forces(
-        measurement, mesh, max(settings.force_noise, float(measurement.attrs["force_uncertainty"])), strategy
-    )
+    forces = _forces(measurement, observations, settings, strategy)
     return FieldProblem(observations, basis, equilibrium, homogeneous, forces, strategy)
+
+
+def problem_of_basis(
+    measurement,
+    settings: Constrained,
+    basis: ConvexBasis,
+    subcells: int = 1,
+    strategy: Strategy = STRATEGY,
+    floor: float | None = None,
+) -> FieldProblem:
+    """The problem of a measurement whose material is known in terms of a basis: nothing is fitted.
+
+    Args:
+        measurement, settings, subcells, strategy, floor: as of :func:`field_problem`.
+        basis: with the scale of the identification that made the field.
+    """
+    observations = observe(measurement, subcells, strategy, floor)
+    equilibrium = FieldEquilibrium.of(observations, basis, strategy)
+    forces = _forces(measurement, observations, settings, strategy)
+    return FieldProblem(observations, basis, equilibrium, None, forces, strategy)
+
+
+def _forces(measurement, observations: Observations, settings: Constrained, strategy: Strategy) -> list[EdgeForce]:
+    """The resultants, as certain as the load cell is said to be."""
+    relative = max(settings.force_noise, float(measurement.attrs["force_uncertainty"]))
+    return edge_forces(measurement, observations.refinement.mesh, relative, strategy)
 
 
 def _quadrature(observations: Observations) -> Float[np.ndarray, " step"]:

@@ -85,6 +85,7 @@ NEEDS = {
     "figure": Need(700, minutes=3),
     "table": Need(300, minutes=3),
     "explorer": Need(900, a_cell=40, minutes=3, minutes_a_state=0),
+    "first_page": Need(300, minutes=3),
     "crate": Need(500, minutes=10),
 }
 

@@ -1,6 +1,9 @@
 """What figures, tables and explorers are made from: which runs each of them shows, and the files of those runs."""
 
+import re
+from collections.abc import Iterable
 from fnmatch import fnmatch
+from pathlib import Path
 
 from hypernode.config.model import Config
 from hypernode.config.outputs import Figure
@@ -123,3 +126,43 @@ def table_settings(config: Config, name: str) -> dict:
         entries = {key: entry.model_dump(mode="json") for key, entry in getattr(config, table.section).items()}
         return {"kind": "settings", "entries": entries}
     return {"kind": table.kind, "columns": table.columns, "groups": table.groups}
+
+
+def rules_by_topic(files: Iterable[Path]) -> dict[str, list[str]]:
+    """Name of every file of rules among some files -> names of its rules."""
+    return {
+        file.stem: re.findall(r"^(?:use rule \w+ as|rule) (\w+)\b", file.read_text(encoding="utf-8"), re.MULTILINE)
+        for file in files
+        if file.suffix == ".smk"
+    }
+
+
+def first_page_settings(config: Config, cases: list[str], files: list[str], rules: dict[str, list[str]]) -> dict:
+    """What the first page of the results says beside what their evaluations do.
+
+    Args:
+        cases: the cases that run.
+        files: names of the files of the configuration.
+        rules: as of :func:`rules_by_topic`.
+    """
+    figures = {
+        name: (figure.kind, list(dict.fromkeys(f"{run.case}/{run.method}" for run in shown_runs(figure))))
+        for name, figure in figure_runs(config, cases).items()
+    }
+    return {
+        "configuration": files,
+        "cases": {name: (_in_words(config, name), list(config.cases[name].methods)) for name in cases},
+        "figures": figures,
+        "tables": list(config.tables),
+        "explorers": ["/".join(run) for run in explored_runs(config, cases)],
+        "rules": rules,
+    }
+
+
+def _in_words(config: Config, name: str) -> str:
+    """What the sheet of a case is, and what it is put through."""
+    case = config.cases[name]
+    if case.specimen:
+        return f"specimen {case.specimen}"
+    drawn = f"{case.inclusion} in {case.matrix} ({case.geometry})" if case.inclusion else case.matrix
+    return f"{drawn}, {', '.join(case.loads) or 'no load'}" + (f", noise {case.noise}" if case.noise else "")

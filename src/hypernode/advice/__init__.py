@@ -1,0 +1,1 @@
+"""Which further test of a sheet would tell most about its stress."""
