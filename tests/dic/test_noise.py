@@ -7,6 +7,7 @@ from scipy.ndimage import gaussian_filter
 from hypernode.dic.errors import DicError
 from hypernode.dic.noise.correlation import independent_factor
 from hypernode.dic.noise.estimate import estimate_noise
+from hypernode.dic.noise.local import _told
 from hypernode.dic.noise.static import frames_at_rest
 
 POINTS = 50
@@ -198,3 +199,10 @@ def test_the_log_has_the_noise_in_a_sentence():
     said = str(estimate_noise(loaded("disc") + 0.01 * noise(15, 4)))
     assert said.startswith("noise of displacements by local fit: 0.00") and "correlated over 0 and 0 grid steps" in said
     assert "\n" not in said
+
+
+def test_a_frame_whose_deformation_hides_its_noise_is_as_noisy_as_the_others():
+    level = np.array([[np.nan, np.nan], [0.0, 2.0], [1.0, 0.0], [3.0, 4.0]])
+    np.testing.assert_array_equal(_told(level)[1:], [[2.0, 2.0], [1.0, 3.0], [3.0, 4.0]])
+    np.testing.assert_array_equal(_told(np.array([[0.0, 0.0], [0.0, 2.0]])), [[2.0, 2.0], [2.0, 2.0]])
+    np.testing.assert_array_equal(_told(np.zeros((2, 2))), np.zeros((2, 2)))

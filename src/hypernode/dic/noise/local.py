@@ -70,7 +70,21 @@ def local_fit(
         best = best_length(fits[..., 1].sum(axis=1))
         level[list(seen), component] = fits[best, :, 0]
         length[component] = tried[best]
-    return level, length
+    return _told(level), length
+
+
+def _told(level: Float[np.ndarray, "frame 2"]) -> Float[np.ndarray, "frame 2"]:
+    """Levels, with that of a frame whose deformation took all of it, 0, as those of the others tell.
+
+    The median of the same component's, or of both where that has none; a frame without any error would weigh all.
+    """
+    told, level = np.where(level > 0.0, level, np.nan), level.copy()
+    if np.isnan(told).all():
+        return level
+    for component in (0, 1):
+        others = told if np.isnan(told[:, component]).all() else told[:, component]
+        level[level[:, component] == 0.0, component] = np.nanmedian(others)
+    return level
 
 
 def _variances(u: Float[np.ndarray, "row column"]) -> Float[np.ndarray, "spacing 4"]:
