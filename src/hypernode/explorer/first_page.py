@@ -16,10 +16,12 @@ FIGURE_FORMATS, TABLE_FORMATS = ("png", "pdf"), ("md", "csv", "tex")
 #: File of rules -> what they are about, in the order in which results are made.
 TOPICS = {
     "forward": "The sheet",
+    "pictures": "Its pictures",
     "measurement": "What was measured",
     "interpolant": "Deformation and equilibrium field",
     "inverse": "The material",
     "evaluation": "How good it is",
+    "population": "Many sheets at once",
     "figures": "Figures and tables",
     "explorer": "Explorers",
     "first_page": "This page",
