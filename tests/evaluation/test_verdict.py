@@ -220,3 +220,8 @@ def test_the_region_of_deformations_is_that_of_the_principal_stretches():
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     F = np.stack([turn @ np.diag(stretches) for stretches in ((1.3, 0.9), (1.1, 0.8), (1.0, 1.0))])[None]
     assert score_region(F).summary == pytest.approx({"smallest_stretch": 0.8, "largest_stretch": 1.3})
+
+
+def test_forces_that_are_wrong_by_orders_of_magnitude_are_not_told_to_the_digit(measurement):
+    found = criterion(judged(measurement, edge_force_error_identified=2.4e9), "forces")
+    assert found.sentence == "Edge forces are missed by 1000 % and more, more than 10 %."

@@ -94,7 +94,8 @@ def _not_judged(name: str, sentence: str) -> Criterion:
 
 
 def _percent(value: float) -> str:
-    return f"{100.0 * value:.0f} %" if value >= 10.0 else f"{100.0 * value:.3g} %"
+    """In words; of what is wrong by more than ten times itself the digits say nothing."""
+    return "1000 % and more" if value >= 10.0 else f"{100.0 * value:.3g} %"
 
 
 def _limited(name: str, words: str, value: float, threshold: Threshold, shown=_percent) -> Criterion:

@@ -168,7 +168,10 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
     """
     strategy = found.problem.strategy
     count = strategy.subcells**2 * len(found.params)
-    if not found.problem.blurred or found.unexplained > 1.0 or count > strategy.most_subcells:
+    if not found.problem.blurred or found.unexplained > 1.0:
+        return found
+    if count > strategy.most_subcells:
+        say("constrained", name, f"cells that interfaces cut stay mixtures: {count} subcells are too many")
         return found
     terms, iterations = list(found.problem.basis.terms), min(strategy.subcells_iterations, settings.iterations)
     settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
