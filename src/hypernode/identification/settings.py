@@ -156,8 +156,8 @@ class Strategy:
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
 
     # Coarse grid first.
-    #: A grid of more cells begins from the field of every second of its lines. Far fewer cells than interfaces need
-    #: to be seen would not help.
+    #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
+    #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
     # Subcells: into how many rows and columns cells are divided, how many a sheet may have, for memory, and for how

@@ -47,7 +47,8 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
-        found = _identified(with_independent_errors(measurement), settings, name, strategy)
+        measurement = with_independent_errors(measurement)
+        found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.contested and found.unexplained > 1.0:
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
         found = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
@@ -73,11 +74,13 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance)
         return reached if before is None else reached.after(before)
 
-    check_forces(problem_of, settings, name)
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = strategy.further_plateaus if settings.further_terms else ()
     coarse = on_coarser_grid(measurement, settings, name, strategy)
+    if coarse is None:
+        # A coarse grid has the forces of the finer one.
+        check_forces(problem_of, settings, name)
     if coarse is not None:
         tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
@@ -86,7 +89,6 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
             tried.append(with_terms(settings.terms, tried[0], further))
     elif settings.terms == first:
         tried = [with_terms(first, None, further)]
-        plain = tried[0]
     else:
         plain = with_terms(first, None, strategy.stiffness_plateaus, strategy.stiffness_tolerance)
         tried = [plain]
