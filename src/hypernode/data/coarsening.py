@@ -19,17 +19,14 @@ def coarsened(measurement: xr.Dataset) -> xr.Dataset:
     # What of a coarse cell is material: fine cells are in the one at their centre.
     inside = np.bincount(transfer(whole, mesh).cells, weights=mesh.areas, minlength=len(whole.cells))
     coarse = rectilinear(*lines, (inside > (1.0 - 1e-9) * whole.areas).reshape(len(lines[1]) - 1, -1))
-    x, y = mesh.lines
-    crossing = np.searchsorted(y, coarse.nodes[:, 1]) * len(x) + np.searchsorted(x, coarse.nodes[:, 0])
-    number = np.full(len(x) * len(y), -1)
-    number[mesh.places] = np.arange(len(mesh.nodes))
+    column, row = (np.searchsorted(line, x) for line, x in zip(mesh.lines, coarse.nodes.T, strict=True))
     to_fine = transfer(coarse, mesh).cells
     weight = np.bincount(to_fine, weights=mesh.areas, minlength=len(coarse.cells))
     thickness = np.bincount(to_fine, measurement["relative_thickness"].values * mesh.areas, len(coarse.cells)) / weight
     fine = [name for name in measurement if "cell" in measurement[name].dims]
     return (
         measurement.drop_vars(fine)
-        .isel(node=number[crossing])
+        .isel(node=mesh.node_numbers[row, column])
         .assign(cells=(("cell", "vertex"), coarse.cells), relative_thickness=("cell", thickness))
         .assign_attrs(grid="measured")
     )

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from hypernode.data.measurement import measured_displacement, mesh_of
 from hypernode.fem.factors import factorise
+from hypernode.fem.lines import intervals
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.nodal_forces import stiffness_matrix
 
@@ -54,8 +55,7 @@ def along(x: Float[np.ndarray, " point"], known: Float[np.ndarray, " known"]) ->
         x: increasing positions.
         known: two or more of them.
     """
-    place = np.clip(np.searchsorted(known, x, side="right") - 1, 0, len(known) - 2)
-    share = (x - known[place]) / (known[place + 1] - known[place])
+    place, share = intervals(known, x)
     rows = np.tile(np.arange(len(x)), 2)
     entries = np.concatenate([1.0 - share, share]), (rows, np.concatenate([place, place + 1]))
     return scipy.sparse.csr_matrix(entries, (len(x), len(known)))

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.fem.lines import intervals
 from hypernode.fem.mesh import Mesh
 
 #: Newton steps before they are halved: across sides of elements, where the gradient jumps, whole ones may oscillate.
@@ -49,8 +50,9 @@ class NodalField:
     def _value_and_gradient(self, X):
         """(u (point, 2), du_i/dX_J (point, 2, 2))."""
         inside = np.stack([np.clip(X[:, k], line[0], line[-1]) for k, line in enumerate((self.x, self.y))], axis=1)
-        column, a, width = _place(self.x, inside[:, 0])
-        row, b, height = _place(self.y, inside[:, 1])
+        (column, a), (row, b) = (intervals(line, inside[:, k]) for k, line in enumerate((self.x, self.y)))
+        width, height = np.diff(self.x)[column, None], np.diff(self.y)[row, None]
+        a, b = a[:, None], b[:, None]
         flat, across = self.u.reshape(-1, 2), len(self.x)
         first = row * across + column
         u00, u10, u01, u11 = (flat[first + k] for k in (0, 1, across, across + 1))
@@ -101,10 +103,3 @@ class NodalField:
         affine = np.column_stack([X, np.ones(len(X))])
         solution = np.linalg.lstsq(affine, self.u.reshape(-1, 2), rcond=None)[0]
         return solution[:2].T, solution[2]
-
-
-def _place(line: Float[np.ndarray, " node"], value: Float[np.ndarray, " point"]):
-    """(number of the element along a line, share of the way through it, its length), the latter two as columns."""
-    number = np.clip(np.searchsorted(line, value, side="right") - 1, 0, len(line) - 2)
-    length = (line[1:] - line[:-1])[number]
-    return number, ((value - line[number]) / length)[:, None], length[:, None]

@@ -58,6 +58,24 @@ class Mesh:
         x, y = self.lines
         return np.searchsorted(y, self.nodes[:, 1]) * len(x) + np.searchsorted(x, self.nodes[:, 0])
 
+    @property
+    def node_numbers(self) -> Int[np.ndarray, "row column"]:
+        """Number of the node on every crossing of the grid lines, -1 where there is none."""
+        x, y = self.lines
+        numbers = np.full(len(y) * len(x), -1)
+        numbers[self.places] = np.arange(len(self.nodes))
+        return numbers.reshape(len(y), len(x))
+
+    @property
+    def cell_numbers(self) -> Int[np.ndarray, "row column"]:
+        """Number of the cell between every two grid lines, -1 where there is none."""
+        x, y = self.lines
+        # A cell is where its lower left node is; grid lines have one interval less than nodes.
+        row, column = np.divmod(self.places[self.cells[:, 0]], len(x))
+        numbers = np.full((len(y) - 1, len(x) - 1), -1)
+        numbers[row, column] = np.arange(len(self.cells))
+        return numbers
+
     def on_edge(self, edge: str) -> Bool[np.ndarray, " node"]:
         """Which nodes lie on an edge of the bounding rectangle."""
         axis, sign = EDGES[edge]

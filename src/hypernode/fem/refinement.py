@@ -7,6 +7,7 @@ import scipy.sparse
 from jaxtyping import Int
 
 from hypernode.fem.mesh import Mesh, rectilinear
+from hypernode.fem.transfer import transfer
 
 
 @dataclass(frozen=True)
@@ -28,21 +29,10 @@ class Refinement:
 
 def refine(mesh: Mesh, subcells: int) -> Refinement:
     """Divide every cell into ``subcells`` times ``subcells``."""
-    coarse, place = mesh.lines, mesh.places
-    lines = [np.interp(np.arange(subcells * (len(x) - 1) + 1) / subcells, np.arange(len(x)), x) for x in coarse]
-    row, column = np.divmod(place, len(coarse[0]))
-    # A cell is where its lower left node is; grid lines have one interval less than nodes.
-    cell = np.full([len(x) - 1 for x in coarse[::-1]], -1)
-    cell[row[mesh.cells[:, 0]], column[mesh.cells[:, 0]]] = np.arange(len(mesh.cells))
-    parent = cell.repeat(subcells, axis=0).repeat(subcells, axis=1)
+    lines = [np.interp(np.arange(subcells * (len(x) - 1) + 1) / subcells, np.arange(len(x)), x) for x in mesh.lines]
+    parent = mesh.cell_numbers.repeat(subcells, axis=0).repeat(subcells, axis=1)
     fine = replace(rectilinear(*lines, parent >= 0), lower=mesh.lower, upper=mesh.upper)
     children = np.argsort(parent[parent >= 0], kind="stable").reshape(len(mesh.cells), -1)
-    along = [
-        scipy.sparse.csr_matrix(np.stack([np.interp(x, old, one) for one in np.eye(len(old))], axis=1))
-        for x, old in zip(lines, coarse, strict=True)
-    ]
-    fine_place = fine.places
-    interpolation = scipy.sparse.kron(along[1], along[0], format="csr")[fine_place][:, place]
-    number = np.full(len(lines[0]) * len(lines[1]), -1)
-    number[fine_place] = np.arange(len(fine.nodes))
-    return Refinement(fine, children, number[subcells * (row * len(lines[0]) + column)], interpolation)
+    row, column = np.divmod(mesh.places, len(mesh.lines[0]))
+    nodes = fine.node_numbers[subcells * row, subcells * column]
+    return Refinement(fine, children, nodes, transfer(mesh, fine).nodes)

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float, Int
+from jaxtyping import Int
 from scipy.ndimage import distance_transform_edt
 
+from hypernode.fem.lines import intervals
 from hypernode.fem.mesh import Mesh
 
 
@@ -27,28 +28,22 @@ class Transfer:
 
 def transfer(source: Mesh, target: Mesh) -> Transfer:
     """The transfer between two meshes of one sheet, whose grid lines may be any."""
-    x, y = source.lines
-    row, column = np.divmod(source.places, len(x))
-    # A cell is where its lower left node is; grid lines have one interval less than nodes.
-    cell = np.full((len(y) - 1, len(x) - 1), -1)
-    cell[row[source.cells[:, 0]], column[source.cells[:, 0]]] = np.arange(len(source.cells))
-    node = np.full((len(y), len(x)), -1)
-    node[row, column] = np.arange(len(source.nodes))
-    place = [
-        np.clip(np.searchsorted(line, centre, side="right") - 1, 0, len(line) - 2)
-        for line, centre in zip((x, y), target.centres.T, strict=True)
-    ]
-    shares = [_shares(line, position) for line, position in zip((x, y), target.nodes.T, strict=True)]
-    nearest, rows, columns, entries = _nearest(node), [], [], []
-    for i, along_x in shares[0]:
-        for j, along_y in shares[1]:
-            rows.append(np.arange(len(target.nodes)))
+    centre, node = (
+        [intervals(line, position) for line, position in zip(source.lines, positions.T, strict=True)]
+        for positions in (target.centres, target.nodes)
+    )
+    cells = _nearest(source.cell_numbers)[centre[1][0], centre[0][0]]
+    nearest, columns, entries = _nearest(source.node_numbers), [], []
+    (column, along_x), (row, along_y) = node
+    for i, share_x in ((column, 1.0 - along_x), (column + 1, along_x)):
+        for j, share_y in ((row, 1.0 - along_y), (row + 1, along_y)):
             columns.append(nearest[j, i])
-            entries.append(along_x * along_y)
-    together = [np.concatenate(each) for each in (entries, rows, columns)]
-    shape = len(target.nodes), len(source.nodes)
-    nodes = scipy.sparse.csr_matrix((together[0], (together[1], together[2])), shape)
-    return Transfer(_nearest(cell)[place[1], place[0]], nodes)
+            entries.append(share_x * share_y)
+    rows = np.tile(np.arange(len(target.nodes)), len(entries))
+    entries = np.concatenate(entries), (rows, np.concatenate(columns))
+    nodes = scipy.sparse.csr_matrix(entries, (len(target.nodes), len(source.nodes)))
+    nodes.eliminate_zeros()
+    return Transfer(cells, nodes)
 
 
 def _nearest(numbers: Int[np.ndarray, "row column"]) -> Int[np.ndarray, "row column"]:
@@ -57,10 +52,3 @@ def _nearest(numbers: Int[np.ndarray, "row column"]) -> Int[np.ndarray, "row col
         return numbers
     rows, columns = distance_transform_edt(numbers < 0, return_distances=False, return_indices=True)
     return numbers[rows, columns]
-
-
-def _shares(line: Float[np.ndarray, " line"], position: Float[np.ndarray, " node"]):
-    """The two grid lines beside every position, each with its share."""
-    before = np.clip(np.searchsorted(line, position, side="right") - 1, 0, len(line) - 2)
-    share = (position - line[before]) / (line[before + 1] - line[before])
-    return (before, 1.0 - share), (before + 1, share)
