@@ -6,10 +6,10 @@ import pytest
 from hypernode import cli
 from hypernode.config.sources import read_yaml
 from hypernode.config.specimens import Specimen
+from hypernode.data.loading import load_kind
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.record import read_force_record
 from hypernode.dic.reading import read_series
-from hypernode.dic.recorded import load_of
 from hypernode.dic.specimen import import_specimen
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED, make_load
@@ -171,9 +171,9 @@ def test_a_load_is_told_from_what_is_held_and_how_it_moves(kind):
     load, held = make_load(kind, STRETCHES[kind]), np.zeros((4, 2), bool)
     for edge, component in load.constrained:
         held[EDGE_NAMES.index(edge), component] = True
-    assert load_of(held, load.H) == LOADS[kind]
+    assert load_kind(held, load.H) == LOADS[kind]
     held[0, 1] = not held[0, 1]
-    assert load_of(held, load.H) == "general"
+    assert load_kind(held, load.H) == "general"
 
 
 def test_several_tests_are_imported_again_onto_one_grid_with_their_loads_and_forces(tmp_path):

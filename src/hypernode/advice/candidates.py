@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from hypernode.mechanics.loads import CONSTRAINED, RESULTANTS, Load, make_load
+from hypernode.data.loading import load_kind
+from hypernode.mechanics.loads import RESULTANTS, Load, make_load
 
 #: How much larger the larger test is: as far beyond what was seen as a law can be asked that was seen to two thirds.
 LARGER = 1.5
@@ -70,23 +71,12 @@ def present_loads(measurement: xr.Dataset) -> list[tuple[str, Load]]:
     for number, name in enumerate(names):
         steps = np.flatnonzero(numbers == number)
         H = measurement["H"].values[steps]
-        kind = _kind(measurement["edge_constrained"].values[steps[0]] > 0, H)
+        kind = load_kind(measurement["edge_constrained"].values[steps[0]] > 0, H)
         prescribed = np.zeros((2, 2), dtype=bool)
         for i, J in RESULTANTS[kind] if kind != "general" else np.ndindex(2, 2):
             prescribed[i, J] = True
         found.append((name, Load(kind, np.where(prescribed, H, 0.0))))
     return found
-
-
-def _kind(held, H) -> str:
-    """The kind of load whose edges are held like this (edge, 2) and moved like this (step, 2, 2)."""
-    names = ("left", "right", "bottom", "top")
-    pairs = {(edge, i) for edge, row in zip(names, held, strict=True) for i in np.flatnonzero(row)}
-    kinds = [kind for kind, constrained in CONSTRAINED.items() if set(constrained) == pairs]
-    if "shear" in kinds:
-        sheared = np.abs(H[:, 0, 1]).max() > np.abs(H[:, 1, 1]).max()
-        return "shear" if sheared else "clamped_y"
-    return "biaxial" if "biaxial" in kinds else next((kind for kind in kinds if kind != "biaxial_clamped"), "general")
 
 
 def _alike(one: Load, other: Load) -> bool:

@@ -7,7 +7,8 @@ import xarray as xr
 from jaxtyping import Bool, Float
 
 from hypernode.data.measurement import stress_resultants
-from hypernode.fem.mesh import EDGES, tied_edge
+from hypernode.fem.mesh import EDGE_NAMES, EDGES, tied_edge
+from hypernode.mechanics.loads import CONSTRAINED
 
 
 @dataclass(frozen=True)
@@ -93,3 +94,15 @@ def _scale(
         raise ValueError(f"load step {step} carries no force: a sheet needs a measured resultant")
     largest = int(np.argmax(size))
     return np.where(known, size, size[largest] * H / H[largest])
+
+
+def load_kind(constrained: Bool[np.ndarray, "edge 2"], H: Float[np.ndarray, "step 2 2"]) -> str:
+    """The kind of load of a test, from the components of edges that are held and from how they move.
+
+    Of kinds that hold the same it is the one that says least: of a whole outline that is held, ``general``.
+    """
+    held = {(EDGE_NAMES[edge], component) for edge, component in np.argwhere(constrained).tolist()}
+    kinds = [kind for kind, pairs in CONSTRAINED.items() if set(pairs) == held]
+    if "shear" in kinds:
+        return "shear" if np.abs(H[:, 0, 1]).max() > np.abs(H[:, 1, 1]).max() else "clamped_y"
+    return kinds[-1] if kinds else "general"

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
+from hypernode.data.loading import load_kind
 from hypernode.data.measurement import measured_displacement, mesh_of, relaxation
 from hypernode.dic.errors import DicError
 from hypernode.dic.series import Frame, Series
 from hypernode.fem.mesh import EDGE_NAMES
-from hypernode.mechanics.loads import CONSTRAINED
 
 #: Load -> axes along which the force must be known, and those along which it is recorded where it is.
 _AXES = {
@@ -63,7 +63,7 @@ def recorded_tests(measurement: xr.Dataset, path: Path) -> list[RecordedTest]:
         frames[0, mesh.places], frames[1:, mesh.places] = 0.0, u[steps]
         series = Series(x, y, [Frame(k, each.reshape(len(y), len(x), 2)) for k, each in enumerate(frames)], "mm")
         H = measurement["H"].values[steps]
-        load = load_of(measurement["edge_constrained"].values[steps[0]] > 0, H)
+        load = load_kind(measurement["edge_constrained"].values[steps[0]] > 0, H)
         required, further = ("", "") if unknown else _AXES[load]
         force = {}
         for axis in (*required, *further):
@@ -94,15 +94,3 @@ def _moved(H: Float[np.ndarray, "step 2 2"], size: Float[np.ndarray, " 2"], load
     """How far the machine moved along an axis, the reference first."""
     normal = 1 if load == "shear" else "xy".index(axis)
     return np.append(0.0, H[:, "xy".index(axis), normal] * size[normal])
-
-
-def load_of(constrained: Bool[np.ndarray, "4 2"], H: Float[np.ndarray, "step 2 2"]) -> str:
-    """The load of a specimen, from the edges and components that are held and from how they move."""
-    if constrained.all():
-        # Of two kinds of load that hold the whole outline, the one that asks for no certain force.
-        return "general"
-    held = {(EDGE_NAMES[edge], component) for edge, component in np.argwhere(constrained).tolist()}
-    kinds = [kind for kind, pairs in CONSTRAINED.items() if set(pairs) == held and kind in _AXES]
-    if "shear" in kinds:
-        return "shear" if np.abs(H[:, 0, 1]).max() > np.abs(H[:, 1, 1]).max() else "clamped_y"
-    return kinds[0] if kinds else "general"

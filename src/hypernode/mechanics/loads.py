@@ -17,7 +17,8 @@ _CLAMPS_Y = (("bottom", 0), ("bottom", 1), ("top", 0), ("top", 1))
 _CLAMPS_X = (("left", 0), ("left", 1), ("right", 0), ("right", 1))
 _XX, _YY, _XY = (0, 0), (1, 1), (0, 1)
 #: Kind of load -> constrained (edge, component) pairs; every other pair is free of traction. In a
-#: ``general`` test the outline moves as it was measured, and nothing is free.
+#: ``general`` test the outline moves as it was measured, and nothing is free. Of kinds with the same pairs the last one
+#: says least of how they move, but for shear.
 CONSTRAINED = {
     "equibiaxial": _ROLLERS_X + _ROLLERS_Y,
     "biaxial": _ROLLERS_X + _ROLLERS_Y,
