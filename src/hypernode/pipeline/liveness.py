@@ -30,17 +30,20 @@ def shown_alive(what: str, folder: Path = FOLDER, beat: float = BEAT):
     """
     sign, over = folder.absolute() / secrets.token_hex(8), threading.Event()
 
+    def show(beats: int):
+        # A full disk stops nobody from working.
+        with contextlib.suppress(OSError):
+            sign.parent.mkdir(exist_ok=True)
+            sign.write_text(f"{what} on {platform.node()}\n{beats}\n", encoding="utf-8")
+
     def count():
         beats = 0
-        while True:
-            # A full disk stops nobody from working.
-            with contextlib.suppress(OSError):
-                sign.parent.mkdir(exist_ok=True)
-                sign.write_text(f"{what} on {platform.node()}\n{beats}\n", encoding="utf-8")
-            if over.wait(beat):
-                return
+        while not over.wait(beat):
             beats += 1
+            show(beats)
 
+    # Whoever asks from now on finds it, however late the other thread begins.
+    show(0)
     counting = threading.Thread(target=count, daemon=True)
     counting.start()
     try:
