@@ -43,8 +43,10 @@ def measurement(clean):
     return believed(clean, NOISE)
 
 
-def constrained(noisy=True, law=(0.002, 0.003)):
+def constrained(noisy=True, law=(0.002, 0.003), **left_out):
     attributes = {"observed_displacements": COUNT, "noise_rules_displacements": json.dumps(noisy)}
+    predicted = {"steps": [1], "observed": 1800, "displacement": 1.01, "force": 1.2} | left_out
+    attributes["left_out"] = json.dumps(predicted)
     return xr.Dataset(attrs={**attributes, "homogeneous_force_misfit": json.dumps(list(law))})
 
 
@@ -110,6 +112,26 @@ def test_the_misfit_of_noise_may_exceed_one_by_chance_and_no_more(measurement):
         (2.01, Level.FAILED),
     ):
         assert level(judged(measurement, displacement_misfit=misfit), "displacements") is wanted
+
+
+def test_steps_that_are_left_out_are_predicted_or_the_worse_of_displacements_and_forces_says_by_how_much_not(
+    measurement,
+):
+    for left_out, wanted, told in (
+        ({}, Level.PASSED, "displacements"),
+        ({"force": None}, Level.PASSED, "displacements"),
+        ({"displacement": 1.06}, Level.WARNED, "displacements of the largest load steps"),
+        ({"displacement": 1.06, "observed": 450}, Level.PASSED, "displacements"),
+        ({"displacement": 2.1, "force": 4.0}, Level.FAILED, "displacements"),
+        ({"force": 3.1}, Level.WARNED, "forces of the largest load steps"),
+        ({"force": 10.5}, Level.FAILED, "forces"),
+        ({"force": float("nan")}, Level.FAILED, "forces"),
+    ):
+        found = criterion(judged(measurement, constrained(**left_out)), "prediction")
+        assert found.level is wanted and told in found.sentence
+    alone = constrained()
+    del alone.attrs["left_out"]
+    assert level(judged(measurement, alone), "prediction") is Level.NOT_JUDGED
 
 
 def test_the_misfit_of_drawn_noise_is_within_chance(measurement):

@@ -142,6 +142,25 @@ def test_posterior_samples_have_the_inverse_of_the_objectives_curvature_as_covar
     assert np.array_equal(samples[0], found.objective.posterior_samples(linear, found.params, 1, seed=3).ravel())
 
 
+def test_effective_parameters_are_the_trace_of_what_the_data_say_of_their_own_fit():
+    data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]), noise=2e-3)
+    found = descend(field_problem(data, Constrained(terms=[])), Constrained(iterations=8), "square", None, (), 0.0)
+    curvature = found.linear.curvature(np.eye(found.params.size))
+    R, _, derivative = found.objective.regulariser.roots(found.params, found.objective.jump_cost)
+    root = R @ scipy.linalg.block_diag(*derivative)
+    jumps = found.objective.regulariser_weight * root.T @ root
+    share = np.linalg.solve(curvature + jumps + np.diag(found.objective.ridge), curvature)
+    number = np.trace(share)
+    by_chance = np.sqrt(2.0 * np.trace(share @ share))
+    assert abs(found.effective_parameters - number) < 2.5 * by_chance < number
+
+
+def test_without_noise_no_parameter_fits_it():
+    data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]))
+    found = descend(field_problem(data, Constrained(terms=[])), Constrained(iterations=2), "square", None, (), 0.0)
+    assert found.effective_parameters == 0.0
+
+
 def test_a_posterior_sample_changes_the_stress_to_first_order_so_that_parameters_that_trade_places_do_not_count():
     basis = ConvexBasis(("I2",), SCALE)
     best, change = np.array([[0.1, 0.2], [0.5, 0.3]]), np.array([[0.3, -0.2], [2.0, 4.0]])

@@ -79,6 +79,7 @@ def judge_run(
             explained,
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
+            _left_out(constrained, settings),
             _law(constrained, settings),
             _networks(summary, settings),
             _equilibrium(summary, measurement, settings),
@@ -155,6 +156,26 @@ def _forces(summary, measurement, threshold: Threshold) -> Criterion:
         sentence = "No force was recorded: every stress is known up to one factor, and its level is a convention."
         return Criterion("forces", Level.WARNED, sentence)
     return _limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
+
+
+def _left_out(constrained, settings: Settings) -> Criterion:
+    """Whether the largest steps are predicted from the others, displacements and forces: the worse of the two."""
+    name = "prediction"
+    if constrained is None:
+        return _not_judged(name, "The method predicts no load step from others.")
+    if "left_out" not in constrained.attrs:
+        return _not_judged(
+            name, "No load step can be left out: there is one a load case, or nothing is left to chance."
+        )
+    left_out = json.loads(constrained.attrs["left_out"])
+    words = "Over noise and the field's spread, {} of the largest load steps, predicted from the others, are missed by"
+    by_chance = settings.chance / math.sqrt(2.0 * left_out["observed"])
+    displacements = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
+    judged = [("displacements", left_out["displacement"], displacements)]
+    if left_out["force"] is not None:
+        judged.append(("forces", left_out["force"], settings.force))
+    found = [_limited(name, words.format(what), value, limit, "{:.2f}".format) for what, value, limit in judged]
+    return max(found, key=lambda each: each.level.rank)
 
 
 def _law(constrained, settings: Settings) -> Criterion:

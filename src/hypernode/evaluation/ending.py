@@ -8,7 +8,7 @@ from hypernode.evaluation.judgement import Judgement
 
 
 def score_ending(constrained: xr.Dataset) -> Judgement:
-    """How the descent ended, and the misfits of displacements and forces in units of their noise.
+    """How the descent ended, misfits of displacements and forces in units of their noise, and those of left-out steps.
 
     Raises:
         ValueError: the file does not say so.
@@ -20,10 +20,14 @@ def score_ending(constrained: xr.Dataset) -> Judgement:
             f"ended (no attribute {' or '.join(missing)}): it is of an older version; delete it and run again"
         )
     misfits = json.loads(constrained.attrs["misfits"])
-    return Judgement(
-        summary={
-            "ending": constrained.attrs["ending"],
-            "displacement_misfit": float(misfits["displacement"]),
-            "force_misfit": float(misfits["force"]),
-        }
-    )
+    summary = {
+        "ending": constrained.attrs["ending"],
+        "displacement_misfit": float(misfits["displacement"]),
+        "force_misfit": float(misfits["force"]),
+    }
+    if "left_out" in constrained.attrs:
+        left_out = json.loads(constrained.attrs["left_out"])
+        summary["left_out_displacement_misfit"] = left_out["displacement"]
+        if left_out["force"] is not None:
+            summary["left_out_force_misfit"] = left_out["force"]
+    return Judgement(summary=summary)

@@ -1,6 +1,7 @@
 """A material field that a descent left: how well it explains the test, and how the descent ended."""
 
 import dataclasses
+import functools
 
 import numpy as np
 
@@ -65,19 +66,27 @@ class Estimate:
         limit = max(strategy.forces_unexplained, described)
         return max(float(self.history[-1]) / strategy.unexplained, forces / limit)
 
+    @functools.cached_property
+    def effective_parameters(self) -> float:
+        """How many numbers of the field noisy displacements determine; none are counted without noise."""
+        if self.linear is None or not self.problem.noisy:
+            return 0.0
+        return self.objective.effective_parameters(self.linear, self.params, self.step and self.step.deflation)
+
     @property
     def information_criterion(self) -> float:
         """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
 
         That is half the logarithm of the determinant of the covariance of residuals, by their uncertainty and by the
-        errors that they share, and what a parameter of the terms costs that is one for all of the sheet, half the
-        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978); that it varies costs
-        jumps.
+        errors that they share; what a parameter of the terms costs that is one for all of the sheet, half the
+        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978); and one for each number
+        that the data determine: by half of that a field fits their noise, and by half it misses other data with it
+        (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002).
         """
         shared = 0.0 if self.linear is None else self.linear.log_determinant
         number, data = len(self.problem.basis.names), max(self.problem.observed, 1)
         independent = data * float(np.log(self.problem.sigma))
-        return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data))
+        return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data)) + self.effective_parameters
 
     @property
     def data_share(self) -> float:

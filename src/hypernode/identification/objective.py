@@ -132,6 +132,25 @@ class Objective:
             fields.append(params + system.to_params(solution.x).reshape(params.shape))
         return np.array(fields)
 
+    def effective_parameters(self, linear: Jacobian, params, deflation=None) -> float:
+        """How many numbers of the field the test determines, and not jumps and ridge.
+
+        The trace of J H^-1 J^T, with H the curvature of data, jumps and ridge together (MacKay, Bayesian interpolation,
+        1992). It is known from one vector of random signs (Hutchinson), to the root of twice itself or less, and to
+        less among similar fields, since the signs are the same.
+
+        Args:
+            linear: sensitivities at the field.
+            params: the field (cell, parameter).
+            deflation: what a solve of a similar system left, or None.
+        """
+        strategy = self.strategy
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], linear.shape[0])
+        load = linear.adjoint(signs)
+        system = self.precision(linear.curvature, params, deflation)
+        solved = system.solve(load, strategy.trace_tolerance, strategy.sample_iterations, learn=False)
+        return float(load @ system.to_params(solved.x))
+
     def _jump_roots(self, params):
         """:meth:`Regulariser.roots` with the regulariser's weight."""
         R, r, B = self.regulariser.roots(params, self.jump_cost)

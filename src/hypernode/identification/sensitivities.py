@@ -53,6 +53,11 @@ def directions(A: Float[np.ndarray, "residual error"]):
     return A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
 
 
+def _without(directions: Float[np.ndarray, "residual direction"], share, residual):
+    """``residual``, or every column of it, without a share of it in each of some orthonormal directions."""
+    return residual - directions @ (share * (directions.T @ residual).T).T
+
+
 def _quadratic(root: Float[np.ndarray, "parameter error"], change):
     """root root^T change."""
     return root @ (root.T @ change)
@@ -99,13 +104,13 @@ class StepJacobian:
         """First-order change of the free displacements."""
         return -self.factor.solve(self._load @ change)
 
-    def _without(self, share, residual):
-        """``residual`` without a share of it in each of the directions that errors of the edges have."""
-        return residual - self._shared @ (share * (self._shared.T @ residual).T).T
-
     def whiten(self, residual):
         """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
-        return self._without(1.0 - 1.0 / np.sqrt(1.0 + self.variance), residual)
+        return _without(self._shared, 1.0 - 1.0 / np.sqrt(1.0 + self.variance), residual)
+
+    def product(self, change):
+        """J change, not whitened."""
+        return np.concatenate([self._observe @ self.displacement(change), self._force_rows @ change])
 
     def _adjoint(self, residual):
         """J^T residual, not whitened."""
@@ -118,8 +123,8 @@ class StepJacobian:
 
     def curvature(self, change):
         """J^T J change."""
-        residual = np.concatenate([self._observe @ self.displacement(change), self._force_rows @ change])
-        return self._adjoint(self._without(self.variance / (1.0 + self.variance), residual))
+        residual = self.product(change)
+        return self._adjoint(_without(self._shared, self.variance / (1.0 + self.variance), residual))
 
 
 class Jacobian:
@@ -181,17 +186,27 @@ class Jacobian:
         """First-order change of the free displacements of every step."""
         return [step.displacement(change) for step in self.steps]
 
-    def whiten(self, residual: Float[np.ndarray, " residual"]):
+    def whiten(self, residual):
         """Residuals that share errors of prescribed edges and of load cells, as independent ones of unit variance."""
         return self._independent(self._white_by_step(residual))
 
     def _independent(self, residual):
         """``residual`` without a share of it in each of the directions that errors of load cells have."""
-        share = 1.0 - 1.0 / np.sqrt(1.0 + self._variance)
-        return residual - self._shared @ (share * (self._shared.T @ residual))
+        return _without(self._shared, 1.0 - 1.0 / np.sqrt(1.0 + self._variance), residual)
 
-    def adjoint(self, residual: Float[np.ndarray, " residual"]):
-        """J^T residual."""
+    def of_steps(self, steps) -> np.ndarray:
+        """Which residuals are those of some load steps (residual,)."""
+        return np.isin(self._of_step, steps)
+
+    def product(self, change):
+        """J change, whitened, of one vector or of the columns of a matrix."""
+        product = np.empty((self.shape[0], *change.shape[1:]))
+        for step, rows in zip(self.steps, self._rows, strict=True):
+            product[rows] = step.product(change)
+        return self.whiten(product)
+
+    def adjoint(self, residual):
+        """J^T residual, of one vector of whitened residuals or of the columns of a matrix."""
         residual = self._independent(residual)
         return sum(step.adjoint(residual[rows]) for step, rows in zip(self.steps, self._rows, strict=True))
 

@@ -119,6 +119,8 @@ class Strategy:
     #: Relative residual and most iterations of a posterior sample.
     sample_tolerance: float = 0.01
     sample_iterations: int = 100
+    #: Relative residual of the one that counts effective parameters, which are then missed by less than their chance.
+    trace_tolerance: float = 0.03
 
     # Judging where a descent stands.
     #: A displacement misfit this close to its noise counts as explained.

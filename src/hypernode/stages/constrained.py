@@ -7,6 +7,7 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.strategy import identify
 from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
@@ -69,8 +70,11 @@ def _posterior(found, settings: Constrained) -> dict:
 
 
 def _ending(found) -> dict:
-    """How the descent to the field ended, as attributes."""
+    """How the descent to the field ended, and how it predicts steps that are left out, as attributes."""
     ending = {"ending": str(found.ending), "misfits": json.dumps(found.misfits)}
+    left_out = predict_left_out(found)
+    if left_out is not None:
+        ending["left_out"] = json.dumps(left_out.stored())
     if found.step is not None:
         ending |= {"gradient_norm": found.step.gradient_norm, "cg_residual": found.step.cg_residual}
     return ending

@@ -83,6 +83,8 @@ _RUNS = {
     "contrast error": _error("contrast_error"),
     "misfit of u": Column("displacement_misfit", "number", "noise", judged_at="identified"),
     "misfit of forces": Column("force_misfit", "number", "noise", judged_at="identified"),
+    "misfit of left-out u": Column("left_out_displacement_misfit", "number", "noise", judged_at="identified"),
+    "misfit of left-out forces": Column("left_out_force_misfit", "number", "noise", judged_at="identified"),
     "constrained field alone": _error("stress_error_constrained"),
     "networks against it": _error("network_error"),
     "spread": Column("spread", "percent", judged_at="prescribed"),

@@ -1,0 +1,97 @@
+"""The largest load steps, left out and predicted from the others: whether a field holds where it was not fitted.
+
+A law that is not the sheet's may follow every step of a test, each with an error of its own sign. Extrapolated from
+the smaller steps to the largest one, it does not.
+
+The field is not identified again. Near the field that all data gave, the one that some of them give follows from one
+Newton step (the infinitesimal jackknife; Giordano et al., A Swiss army infinitesimal jackknife, 2019): with whitened
+residuals w and their Jacobian J, rows k left out, and H the curvature of the objective without them,
+
+    w_k + J_k H^-1 J_k^T w_k   has the covariance   I + J_k H^-1 J_k^T
+
+by noise and by how uncertain the field is without these data.
+"""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from hypernode.identification.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """How well load steps are predicted that were left out.
+
+    Attributes:
+        steps: their numbers, the largest one of every load case.
+        observed: how many displacements they have.
+        displacement: root mean square error of their displacements over what is expected of it, one by chance. Where
+            the other steps are missed by more than noise, as much is expected of these.
+        force: the same of their forces, whose correlation counts; None without forces.
+    """
+
+    steps: list[int]
+    observed: int
+    displacement: float
+    force: float | None
+
+    def stored(self) -> dict:
+        """As attributes of a file hold it."""
+        return asdict(self)
+
+
+def largest_steps(load_case, size) -> list[int]:
+    """The largest step of every load case that has more than one.
+
+    Args:
+        load_case: load case of every step (step,).
+        size: load of every step (step,).
+    """
+    steps = [np.flatnonzero(load_case == case) for case in np.unique(load_case)]
+    return [int(each[np.argmax(size[each])]) for each in steps if len(each) > 1]
+
+
+def predict_left_out(found: Estimate) -> LeftOut | None:
+    """Predict the largest step of every load case from all others.
+
+    None where a test has one step a load case, or nothing in it is left to chance.
+    """
+    problem, objective = found.problem, found.objective
+    loading, strategy = problem.observations.loading, problem.strategy
+    steps = largest_steps(loading.load_case, loading.t)
+    if found.linear is None or problem.certain or not steps:
+        return None
+    linear = found.linear
+    displacements, forces = objective.residuals(found.states, linear.sigma, linear)
+    white = np.concatenate([displacements, forces])
+    left = linear.of_steps(steps)
+    is_force = np.arange(len(white)) >= len(displacements)
+    observed, resultants = np.flatnonzero(left & ~is_force), np.flatnonzero(left & is_force)
+
+    def curvature(change):
+        predicted = linear.product(change)
+        predicted[left] = 0.0
+        return linear.adjoint(predicted)
+
+    columns = np.zeros((len(white), 2 + len(resultants)))
+    columns[left, 0] = white[left]
+    # The trace of what displacements add to their own variance, from one vector of random signs (Hutchinson).
+    columns[observed, 1] = np.random.default_rng(0).choice([-1.0, 1.0], len(observed))
+    columns[resultants, 2 + np.arange(len(resultants))] = 1.0
+    system = objective.precision(curvature, found.params, found.step and found.step.deflation)
+    solved = system.solve_columns(linear.adjoint(columns), strategy.trace_tolerance, strategy.sample_iterations)
+    change = linear.product(solved)
+    error = white + change[:, 0]
+    added = float(columns[:, 1] @ change[:, 1])
+    fitted = np.sqrt(np.mean(displacements[~left[: len(displacements)]] ** 2))
+    usual = max(problem.observations.scatter, float(fitted))
+    expected = usual**2 * len(observed) + max(added, 0.0)
+    force = None
+    if len(resultants):
+        covariance = change[resultants, 2:]
+        covariance = np.eye(len(resultants)) + (covariance + covariance.T) / 2
+        squared = error[resultants] @ np.linalg.solve(covariance, error[resultants])
+        force = float(np.sqrt(squared / len(resultants)))
+    misfit = float(np.sqrt(np.sum(error[observed] ** 2) / expected))
+    return LeftOut(steps, len(observed), misfit, force)
