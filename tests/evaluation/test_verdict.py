@@ -20,6 +20,8 @@ GOOD = {
     "ending": Ending.CONVERGED,
     "displacement_misfit": 1.0,
     "edge_force_error_identified": 0.005,
+    "unexplained_share": 0.0,
+    "largest_local_misfit": 1.2,
     "equilibrium_gap_identified": 0.01,
     "network_error": 0.001,
     "spread": 0.02,
@@ -132,6 +134,12 @@ def test_steps_that_are_left_out_are_predicted_or_the_worse_of_displacements_and
     alone = constrained()
     del alone.attrs["left_out"]
     assert level(judged(measurement, alone), "prediction") is Level.NOT_JUDGED
+
+
+def test_a_place_that_is_not_explained_warns_and_a_quarter_of_the_sheet_fails(measurement):
+    for share, wanted in ((0.0, Level.PASSED), (0.001, Level.WARNED), (0.24, Level.WARNED), (0.26, Level.FAILED)):
+        found = criterion(judged(measurement, unexplained_share=share, largest_local_misfit=1.7), "places")
+        assert found.level is wanted and ("1.70 times" in found.sentence) is bool(share)
 
 
 def test_the_misfit_of_drawn_noise_is_within_chance(measurement):

@@ -37,6 +37,9 @@ class Settings:
     misfit_low: float = 0.8
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
+    #: Share of the sheet in which displacements are not explained: chance makes none, and what is not explained in a
+    #: quarter of the sheet is not a place.
+    places: Threshold = Threshold(0.0, 0.25)
     #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
     outliers: Threshold = Threshold(0.01, 0.10)
     #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.
@@ -77,6 +80,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
+            _places(summary, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             _left_out(constrained, settings),
@@ -140,6 +144,17 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
     by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
     return _limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _places(summary, settings: Settings) -> Criterion:
+    name = "places"
+    if "unexplained_share" not in summary:
+        return _not_judged(name, "No noise rules the displacements, so that none says where they are explained.")
+    words = (
+        f"Displacements are missed by more than chance, up to {summary['largest_local_misfit']:.2f} times as much, in"
+    )
+    words = words if summary["unexplained_share"] else "Displacements are missed by more than chance in"
+    return _limited(name, words, summary["unexplained_share"], settings.places, lambda v: f"{_percent(v)} of the sheet")
 
 
 def _outliers(measurement, settings: Settings) -> Criterion:

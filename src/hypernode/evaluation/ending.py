@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import xarray as xr
 
 from hypernode.evaluation.judgement import Judgement
@@ -30,4 +31,7 @@ def score_ending(constrained: xr.Dataset) -> Judgement:
         summary["left_out_displacement_misfit"] = left_out["displacement"]
         if left_out["force"] is not None:
             summary["left_out_force_misfit"] = left_out["force"]
+    if "unexplained" in constrained:
+        summary["unexplained_share"] = float(np.mean(constrained["unexplained"].values))
+        summary["largest_local_misfit"] = float(np.nanmax(constrained["local_misfit"].values))
     return Judgement(summary=summary)

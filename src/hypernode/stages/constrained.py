@@ -8,6 +8,7 @@ from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.left_out import predict_left_out
+from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.strategy import identify
 from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
@@ -37,6 +38,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables |= content | seen
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
+    local = local_misfit(found)
+    if local is not None:
+        variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(

@@ -131,6 +131,12 @@ VARIABLES = {
     # training
     "loss": Variable(("iteration",), "1", "training loss"),
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
+    "local_misfit": Variable(
+        ("cell",),
+        "1",
+        "misfit of the displacements around a cell over that of the sheet, or over noise where that is more",
+    ),
+    "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),

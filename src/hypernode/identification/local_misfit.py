@@ -1,0 +1,66 @@
+"""Where in a sheet displacements are explained, and where no law of the field explains them.
+
+A mean over the sheet hides a place. Around each cell the squares of residuals are as many as there are data, so that
+chance makes little of their mean, and what it makes at worst over all of the sheet follows from their distribution.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+import scipy.stats
+from jaxtyping import Bool, Float
+
+from hypernode.fem.mesh import Mesh
+from hypernode.identification.estimate import Estimate
+
+
+@dataclass(frozen=True)
+class LocalMisfit:
+    """Misfit of the displacements around every cell, over that of the sheet or over noise, whichever is more.
+
+    Attributes:
+        values: root mean square over the nodes of the cell and of the cells around it, NaN where nothing is observed.
+        unexplained: cells where that is more than chance makes anywhere in a sheet.
+    """
+
+    values: Float[np.ndarray, " cell"]
+    unexplained: Bool[np.ndarray, " cell"]
+
+
+def around_cells(mesh: Mesh) -> scipy.sparse.csr_matrix:
+    """Which nodes belong to a cell or to one that shares a node with it (cell, node), 1 where they do."""
+    cells, vertices = mesh.cells.shape
+    own = scipy.sparse.csr_matrix(
+        (np.ones(mesh.cells.size), (np.repeat(np.arange(cells), vertices), mesh.cells.ravel())),
+        shape=(cells, len(mesh.nodes)),
+    )
+    around = own @ own.T @ own
+    around.data[:] = 1.0
+    return around
+
+
+def local_misfit(found: Estimate) -> LocalMisfit | None:
+    """Misfit of the displacements around every measured cell; None where no noise rules them.
+
+    Errors that points or steps share are fewer independent ones, by the square of the scatter.
+    """
+    problem = found.problem
+    observations, strategy = problem.observations, problem.strategy
+    if not problem.noisy:
+        return None
+    residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
+    node = np.concatenate([boundary.observed for boundary in observations.boundaries]) // 2
+    nodes = len(observations.grid.nodes)
+    around = around_cells(observations.grid)
+    squares = around @ np.bincount(node, residuals**2, nodes)
+    count = around @ np.bincount(node, minlength=nodes)
+    usual = max(observations.scatter, float(np.sqrt(np.mean(residuals**2))))
+    known = count > 0
+    mean = np.divide(squares, count, out=np.full(len(count), np.nan), where=known)
+    # Means around cells that share no node are independent: as many as there are nodes for each.
+    places = max(nodes / np.median(np.diff(around.indptr)), 1.0)
+    alone = scipy.stats.norm.sf(strategy.never_by_chance) / places
+    independent = np.maximum(count * observations.scatter**2, 1.0)
+    limit = scipy.stats.chi2.isf(alone, independent) / independent
+    return LocalMisfit(np.sqrt(mean) / usual, known & (mean > limit * usual**2))
