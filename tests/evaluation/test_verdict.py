@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hypernode.evaluation.criteria import SETTINGS, Threshold, judge_run
+from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.region import score_region
+from hypernode.evaluation.thresholds import SETTINGS, Threshold
 from hypernode.mechanics.loads import make_load
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 from tests.sheets import believed, sheet, square

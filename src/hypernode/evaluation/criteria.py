@@ -1,64 +1,18 @@
-"""The criteria of a verdict: what each asks of a run, and beyond which numbers it warns and fails."""
+"""The criteria of a verdict: what each asks of a run."""
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import xarray as xr
 
 from hypernode.data.measurement import is_cut_out
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
+from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """Numbers beyond which a criterion warns and fails."""
-
-    warn: float
-    fail: float
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Every threshold of a verdict. They follow from what a number means, and not from any case."""
-
-    #: Standard deviations of the misfit of displacements that chance makes: beyond three once in 700 runs.
-    chance: float = 3.0
-    #: Excess of the misfit that does not count: noise itself is seldom known to better than a twentieth.
-    noise_known: float = 0.05
-    #: Misfit of displacements of which three quarters of the squares are no noise.
-    misfit_fail: float = 2.0
-    #: Misfit below which the field has taken up more than a third of what independent noise leaves, 1 - 0.8^2.
-    misfit_low: float = 0.8
-    #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
-    force_uncertainty: float = 0.01
-    #: Share of the sheet in which displacements are not explained: chance makes none, and what is not explained in a
-    #: quarter of the sheet is not a place.
-    places: Threshold = Threshold(0.0, 0.25)
-    #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
-    outliers: Threshold = Threshold(0.01, 0.10)
-    #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.
-    force: Threshold = Threshold(3.0, 10.0)
-    #: What no material of the basis follows, over the forces: as much as a load cell and the scatter between frames
-    #: make, and a share of the force that would fail by itself.
-    law: Threshold = Threshold(0.015, 0.10)
-    #: By how much networks may miss the field that they learnt: they do by a thousandth where they are trained well,
-    #: and what they miss is theirs alone.
-    networks: Threshold = Threshold(0.01, 0.10)
-    #: The true stress is in equilibrium, so that the identified one is wrong by the gap at least: several times
-    #: what finite elements leave of an exact field, and a fifth of the stress.
-    equilibrium: Threshold = Threshold(0.05, 0.20)
-    #: Standard deviation of the stiffness over itself: phases that differ by a fifth are then two of them apart, and
-    #: zero stiffness is.
-    spread: Threshold = Threshold(0.10, 0.50)
-
-
-SETTINGS = Settings()
 
 
 def judge_run(
