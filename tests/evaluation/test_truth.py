@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.evaluation.ending import score_ending
-from hypernode.evaluation.spread import coverage, sample_spread
+from hypernode.evaluation.spread import coverage, interface_spread, sample_spread
 from hypernode.evaluation.truth import (
     cell_means,
     interface_band,
@@ -14,6 +14,7 @@ from hypernode.evaluation.truth import (
     score_networks,
     score_stress,
 )
+from hypernode.fem.mesh import rectilinear
 from hypernode.material.files import material_of
 from hypernode.mechanics.modes import MODES, mode_gradients
 from tests.evaluation.files import closed_form, square_mesh
@@ -82,6 +83,19 @@ def test_two_standard_deviations_cover_the_gaussian_share_of_the_truth():
 def test_the_spread_of_posterior_samples_is_unbiased():
     samples = np.random.default_rng(5).normal(2.0, 0.3, (3, 200_000))
     assert np.sqrt(np.mean(sample_spread(samples) ** 2)) == pytest.approx(0.3, rel=0.01)
+
+
+def test_at_the_centre_of_a_cell_that_an_interface_cuts_anywhere_a_field_is_as_uncertain_as_is_said():
+    mesh = rectilinear(np.arange(7.0), np.arange(4.0))
+    column = mesh.centres[:, 0].astype(int)
+    phase, field = (column >= 3).astype(int), np.where(column >= 3, 5.0, 2.0)
+    said = interface_spread(mesh, phase, field)
+    assert np.all(said[(column < 2) | (column > 3)] == 0.0)
+    # An interface x = a in a cell: its mean is 2 a + 5 (1 - a), and its centre is in the left part where a > 1/2.
+    share = np.random.default_rng(3).uniform(size=200_000)
+    error = 2.0 * share + 5.0 * (1.0 - share) - np.where(share > 0.5, 2.0, 5.0)
+    assert said[(column == 2) | (column == 3)] == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.01)
+    assert not interface_spread(mesh, np.zeros_like(phase), field).any()
 
 
 def test_how_a_descent_ended_is_copied_and_never_guessed():

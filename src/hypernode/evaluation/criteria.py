@@ -188,7 +188,8 @@ def _spread(summary, settings: Settings) -> Criterion:
     name = "uncertainty"
     if "spread" not in summary:
         return _not_judged(name, "There are no posterior samples.")
-    return _limited(name, "Posterior samples scatter by", summary["spread"], settings.spread)
+    words = "By posterior samples, and where interfaces cut cells, the stiffness is known to"
+    return _limited(name, words, summary["spread"], settings.spread)
 
 
 def _inclusion(summary) -> Criterion:

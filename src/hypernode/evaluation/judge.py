@@ -8,7 +8,13 @@ import xarray as xr
 
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, noise_of_steps
+from hypernode.data.measurement import (
+    field_gradient,
+    is_on_its_own_grid,
+    measured_displacement,
+    mesh_of,
+    noise_of_steps,
+)
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
@@ -20,7 +26,7 @@ from hypernode.evaluation.probes import indicator, stress_at_common_F
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
-from hypernode.evaluation.spread import Samples, score_spread
+from hypernode.evaluation.spread import Samples, interface_spread, score_spread
 from hypernode.evaluation.truth import cell_means, observed_mode, score_networks, score_stress
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.material.files import material_of, nearest_cell
@@ -82,7 +88,8 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     if constrained is not None:
         judged |= score_ending(constrained)
     if samples is not None:
-        judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch))
+        cut = 0.0 if is_on_its_own_grid(measurement) else interface_spread(mesh, phases.variables["phase_found"], field)
+        judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch), cut)
     judged |= score_shape(mesh, field, shape, true_shape)
     places = curve_places(mesh, shape, None if true is None else true_shape)
     return judged | score_curves(found, true, places, largest, kind)

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.probes import indicator
+from hypernode.fem.mesh import Mesh
 from hypernode.material.files import material_of, posterior_material
 
 
@@ -47,9 +48,40 @@ class Samples:
         return (self.values - self.best) / np.nanmedian(self.best)
 
 
-def score_spread(samples: Samples, true: Float[np.ndarray, " cell"] | None) -> Judgement:
-    """Spread of the indicator of stiffness over the posterior samples, and its coverage of the true one."""
-    spread = sample_spread(samples.values)
+def interface_spread(
+    mesh: Mesh, phase: Int[np.ndarray, " cell"], field: Float[np.ndarray, " cell"]
+) -> Float[np.ndarray, " cell"]:
+    """Standard deviation of a field at the centre of a cell that an interface may cut, zero in all other cells.
+
+    Cells on both sides of a contour may be cut. What is found of a cut cell is the mean over its two parts; at its
+    centre is one or the other. Where all shares of the parts are equally likely, the two differ by the jump over the
+    root of twelve, root mean square. The jump is that between the medians of the phases.
+
+    Args:
+        mesh: cells of the measured grid.
+        phase: number of the phase of each cell.
+        field: what jumps between them.
+    """
+    pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
+    _, number = np.unique(phase, return_inverse=True)
+    typical = np.array([np.nanmedian(field[number == k]) for k in range(number.max() + 1)])
+    jump = np.abs(typical[number[pairs[:, 0]]] - typical[number[pairs[:, 1]]])
+    largest = np.zeros(len(phase))
+    np.maximum.at(largest, pairs.ravel(), np.repeat(jump, 2))
+    return largest / np.sqrt(12.0)
+
+
+def score_spread(
+    samples: Samples, true: Float[np.ndarray, " cell"] | None, interfaces: Float[np.ndarray, " cell"] | float = 0.0
+) -> Judgement:
+    """Spread of the indicator of stiffness, and its coverage of the true one.
+
+    Args:
+        samples: of the posterior.
+        true: the true indicator, where it is known.
+        interfaces: what interfaces that cut cells leave open beside it, of :func:`interface_spread`.
+    """
+    spread = np.hypot(sample_spread(samples.values), interfaces)
     summary = {"spread": float(np.sqrt(np.mean(spread**2) / np.mean(samples.best**2)))}
     if true is not None:
         summary["within_two_spreads"] = coverage(samples.best - true, spread)

@@ -11,7 +11,7 @@ FACTS = {
     "force_misfit": ("Force misfit over its error", 1.0),
     "edge_force_error_identified": ("Edge forces missed by, at most [%]", 100.0),
     "equilibrium_gap_identified": ("Stress out of equilibrium by, at most [%]", 100.0),
-    "spread": ("Posterior spread of the stiffness [%]", 100.0),
+    "spread": ("Spread of the stiffness [%]", 100.0),
     "phases_found": ("Phases found", None),
     "inclusion_over_matrix": ("Stiffness of the inclusion over that of the matrix", 1.0),
     "stress_error": ("Error of the stress against the truth [%]", 100.0),

@@ -128,8 +128,8 @@ def _spread(evaluation) -> list[Map]:
     if "trace_P_spread" not in evaluation:
         return []
     spread = 100.0 * evaluation["trace_P_spread"].values / np.abs(evaluation["trace_P"].values)
-    about = "Standard deviation of the stiffness over posterior samples: what the test cannot tell."
-    return [Map("spread", "Posterior spread of the stiffness", "%", about, ERROR_MAP, spread[None], least=0.0)]
+    about = "Standard deviation of the stiffness, by posterior samples and where interfaces cut cells."
+    return [Map("spread", "Spread of the stiffness", "%", about, ERROR_MAP, spread[None], least=0.0)]
 
 
 def _phases(evaluation, stiffness: Map) -> list[Map]:

@@ -155,7 +155,9 @@ VARIABLES = {
     "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
-    "trace_P_spread": Variable(("cell",), "stress", "standard deviation of that field over the posterior samples"),
+    "trace_P_spread": Variable(
+        ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
+    ),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
