@@ -8,7 +8,7 @@ import xarray as xr
 
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, noise_of_steps
+from hypernode.data.measurement import measured_displacement, mesh_of, noise_of_steps
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
@@ -16,6 +16,7 @@ from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
+from hypernode.evaluation.polish import identified_gradient, score_polish
 from hypernode.evaluation.probes import indicator, stress_at_common_F
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
@@ -81,6 +82,7 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
         judged |= Judgement({"misfit": misfit}, {"interpolant_misfit": float(misfit.max())})
     if constrained is not None:
         judged |= score_ending(constrained)
+    judged |= score_polish(files["material"])
     if samples is not None:
         judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch))
     judged |= score_shape(mesh, field, shape, true_shape)
@@ -94,7 +96,7 @@ def _at_both_deformations(files, found) -> Judgement:
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
     deformations = {
         "measured": deformation_gradient(mesh, filled(mesh, measured_displacement(measurement))),
-        "identified": np.moveaxis(field_gradient(files["field"]), (0, 1), (2, 3)),
+        "identified": np.moveaxis(identified_gradient(files["field"], files["material"]), (0, 1), (2, 3)),
     }
     stresses = {key: stress_at(found, mesh.centres, F) for key, F in deformations.items()}
     judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])
