@@ -29,12 +29,21 @@ def weight_field(mesh, seed=3):
     return WeightField(network, mesh.centres)
 
 
-def problem_of_field(cells, kind, stretches, noise, weights=None, strategy=STRATEGY):
-    """(problem, field) of a test of the sheet that is what the network says, with other weights where there are any."""
+def other_weights(field, size):
+    """Weights of another material."""
+    return field.start + np.random.default_rng(4).normal(0.0, size, field.start.size)
+
+
+def problem_of_field(cells, kind, stretches, noise, moved=0.0, strategy=STRATEGY):
+    """(problem, field) of a test of the sheet that is what the network says, or would say with other weights.
+
+    Args:
+        moved: standard deviation of the other weights from the network's own.
+    """
     data, mesh, _ = sheet(cells, square, make_load(kind, stretches))
     data, field, settings = believed(data, noise), weight_field(mesh), Constrained(force_noise=FORCE_NOISE)
     problem = problem_of_basis(data, settings, LAW, strategy=strategy)
-    params = field.params(field.start if weights is None else weights)
+    params = field.params(other_weights(field, moved))
     states = problem.equilibrium.states(params, list(problem.observations.u))
     random = np.random.default_rng(1)
     u = np.stack([state.u for state in states])

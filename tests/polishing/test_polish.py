@@ -11,16 +11,12 @@ from hypernode.identification.settings import Strategy
 from hypernode.polishing.held_out import Misfit, held_out_steps, why_not_better
 from hypernode.polishing.objective import weight_objective
 from hypernode.polishing.polish import polish
-from tests.polishing.sheets import FORCE_NOISE, LAW, problem_of_field
+from tests.polishing.sheets import FORCE_NOISE, LAW, other_weights, problem_of_field
 
+#: Standard deviation of the weights of another material from those of the network.
+MOVED = 0.15
 STRETCHES = [1.08, 1.14, 1.2]
 CONSTRAINED = Constrained(force_noise=FORCE_NOISE)
-
-
-def other_weights(field, size=0.15):
-    """Weights of a material that is another one, by as much as ``size`` all over the sheet."""
-    change = np.random.default_rng(4).normal(0.0, size, field.start.size)
-    return field.start + change
 
 
 @pytest.mark.parametrize("kind", ["equibiaxial", "clamped_y"])
@@ -91,9 +87,8 @@ def test_a_network_that_explains_its_test_to_the_noise_is_left_as_it_is():
 
 def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_agree():
     """Of a sheet that it does not know, the used data and the held-out ones are then missed by little but noise."""
-    field = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3)[1]
-    other, _ = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3, weights=other_weights(field))
-    found = polish(other, field, CONSTRAINED, Polish(), list(other.observations.u), "sheet")
+    problem, field = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3, moved=MOVED)
+    found = polish(problem, field, CONSTRAINED, Polish(), list(problem.observations.u), "sheet")
     used, held = found.misfits["used"], found.misfits["held_out"]
     assert found.kept and not np.array_equal(found.weights, field.start)
     assert used["before"]["force"] > 10.0 and used["after"]["force"] < 2.5
@@ -103,22 +98,20 @@ def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_a
     # What is kept is what is stored: the network in the precision of its file gives the states that were judged.
     stored = field.stored(found.weights)
     np.testing.assert_array_equal(found.weights, stored)
-    states = other.equilibrium.states(field.params(stored), list(found.u))
+    states = problem.equilibrium.states(field.params(stored), list(found.u))
     np.testing.assert_allclose(np.stack([state.u for state in states]), found.u, atol=1e-6)
 
 
 def test_without_iterations_a_network_is_judged_and_left_as_it_is():
-    field = problem_of_field(4, "equibiaxial", STRETCHES, 1e-3)[1]
-    other, _ = problem_of_field(4, "equibiaxial", STRETCHES, 1e-3, weights=other_weights(field))
-    found = polish(other, field, CONSTRAINED, Polish(iterations=0), list(other.observations.u), "sheet")
+    problem, field = problem_of_field(4, "equibiaxial", STRETCHES, 1e-3, moved=MOVED)
+    found = polish(problem, field, CONSTRAINED, Polish(iterations=0), list(problem.observations.u), "sheet")
     assert not found.kept and "after" not in found.misfits["held_out"]
     assert found.misfits["held_out"]["before"]["force"] > 10.0
 
 
 def test_a_test_of_one_step_holds_nothing_out_and_so_nothing_is_polished():
-    field = problem_of_field(4, "equibiaxial", [1.1], 1e-3)[1]
-    other, _ = problem_of_field(4, "equibiaxial", [1.1], 1e-3, weights=other_weights(field))
-    found = polish(other, field, CONSTRAINED, Polish(), list(other.observations.u), "sheet")
+    problem, field = problem_of_field(4, "equibiaxial", [1.1], 1e-3, moved=MOVED)
+    found = polish(problem, field, CONSTRAINED, Polish(), list(problem.observations.u), "sheet")
     assert not found.kept and "held out" in found.reason and not found.held_out.any()
 
 

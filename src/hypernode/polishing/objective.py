@@ -14,12 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained, Polish
-from hypernode.identification.objective import white_residuals
+from hypernode.identification.objective import block_diagonal, white_residuals
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.mechanics.modes import mode_gradients
-from hypernode.polishing.nearness import Nearness
+from hypernode.polishing.stresses import Nearness, StressJumps
 from hypernode.polishing.weight_field import WeightField
 
 #: Random vectors that estimate how the stress of cells depends on the weights.
@@ -53,14 +53,14 @@ class WeightObjective:
     Attributes:
         problem: the test, with the neural-ODE law.
         field: parameters of the cells by the weights.
-        regulariser, regulariser_weight, jump_cost: what jumps of the logarithm of the stress under the sheet's mean
-            deformation cost.
+        jumps, regulariser, regulariser_weight, jump_cost: what jumps over the sheet, and what that costs.
         nearness: what it costs the stress to come away from that of the network before.
         ridge: precision of the prior of every weight about the one before.
     """
 
     problem: FieldProblem
     field: WeightField
+    jumps: StressJumps
     regulariser: Regulariser
     regulariser_weight: float
     jump_cost: JumpCost
@@ -71,8 +71,7 @@ class WeightObjective:
         """The cost, with displacements as uncertain and residuals whitened as in ``linear``."""
         params = self.field.params(weights)
         misfit = sum(float(r @ r) for r in white_residuals(self.problem, states, linear.sigma, linear))
-        stiffness, _ = self.problem.stiffness(params)
-        jumps = self.regulariser_weight * self.regulariser.value(stiffness[:, None], self.jump_cost)
+        jumps = self.regulariser_weight * self.regulariser.value(self.jumps.values(params), self.jump_cost)
         ridge = self.ridge * float(np.sum((weights - self.field.start) ** 2))
         return 0.5 * misfit + jumps + self.nearness.value(params) + 0.5 * ridge
 
@@ -85,19 +84,21 @@ class WeightObjective:
         """
         params = self.field.params(weights)
         linear = self.problem.linearise(params, states, sigma)
-        stiffness, slope = self.problem.stiffness(params)
-        R, r, _ = self.regulariser.roots(stiffness[:, None], self.jump_cost)
+        slope = self.jumps.slope(params)
+        transposed = np.ascontiguousarray(slope.transpose(0, 2, 1))
+        R, r, B = self.regulariser.roots(self.jumps.values(params), self.jump_cost)
+        R = R @ block_diagonal(B)
         near, near_curvature = self.nearness.linearise(params)
 
-        def by_params(by_stiffness):
-            return (self.regulariser_weight * by_stiffness[:, None] * slope).ravel()
+        def by_params(by_values):
+            return self.regulariser_weight * (transposed @ by_values.reshape(*slope.shape[:2], 1)).ravel()
 
         residual = np.concatenate(white_residuals(self.problem, states, sigma, linear))
         gradient = self.field.pull(weights, linear.adjoint(residual) + by_params(R.T @ r) + near)
 
         def curvature(change):
             pushed = self.field.push(weights, change)
-            jumps = R.T @ (R @ np.sum(slope * pushed.reshape(slope.shape), axis=1))
+            jumps = R.T @ (R @ (slope @ pushed.reshape(*params.shape, 1)).ravel())
             curved = linear.nearly_curvature(pushed) + by_params(jumps) + near_curvature(pushed)
             return self.field.pull(weights, curved) + self.ridge * change
 
@@ -116,17 +117,19 @@ def weight_objective(
     """
     strategy, areas = problem.strategy, problem.observations.grid.areas
 
-    def itself(stiffness):
-        return stiffness[:, 0], np.ones((len(stiffness), 1))
-
-    regulariser = Regulariser(problem.mesh, ("stiffness",), strategy.unit_length(areas), itself, strategy)
-    finest = strategy.sharp_jump if problem.sharp else strategy.smallest_jump
-    cost = JumpCost(finest, constrained.jump_scale, isotropic=True)
     largest = problem.observations.largest_stretch
     modes = mode_gradients(1.0 + (largest - 1.0) * MODE_SIZES).reshape(-1, 2, 2)
+    jumps = StressJumps(problem.basis, modes)
+
+    def first(values):
+        return values[:, 0], np.tile(np.eye(values.shape[1])[0], (len(values), 1))
+
+    regulariser = Regulariser(problem.mesh, jumps.names, strategy.unit_length(areas), first, strategy)
+    finest = strategy.sharp_jump if problem.sharp else strategy.smallest_jump
+    cost = JumpCost(finest, constrained.jump_scale, isotropic=True)
     nearness = Nearness(problem.basis, field.params(field.start), modes, settings.deviation)
     ridge = ridge_of(problem, field, LOOSENESS * settings.deviation)
-    return WeightObjective(problem, field, regulariser, constrained.regulariser_weight, cost, nearness, ridge)
+    return WeightObjective(problem, field, jumps, regulariser, constrained.regulariser_weight, cost, nearness, ridge)
 
 
 def ridge_of(problem: FieldProblem, field: WeightField, deviation: float) -> float:

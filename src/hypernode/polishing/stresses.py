@@ -1,4 +1,4 @@
-"""What it costs a material to come away from what it was under deformations that a test may say nothing of."""
+"""The stress of cells under deformations that all of them undergo: what it may become, and how it may jump."""
 
 from collections.abc import Callable
 
@@ -57,3 +57,31 @@ class Nearness:
             return (transposed @ (slope @ change.reshape(*params.shape, 1))).ravel()
 
         return (transposed @ np.asarray(self._residual(params, self._before))[..., None]).ravel(), curvature
+
+
+class StressJumps:
+    """What jumps over the sheet: how large the stress of each cell is, and how that depends on the deformation.
+
+    Args:
+        law: the law of all cells.
+        F: the deformations.
+    """
+
+    def __init__(self, law: PointLaw, F: Float[np.ndarray, "deformation 2 2"]):
+        F = jnp.asarray(np.moveaxis(F, 0, -1))
+
+        def values(params):
+            sizes = 0.5 * jnp.log(jnp.sum(law.stress(F, params[:, None]) ** 2, axis=(0, 1)))
+            return jnp.concatenate([jnp.mean(sizes)[None], sizes - jnp.mean(sizes)])
+
+        self._values, self._slope = jax.jit(jax.vmap(values)), jax.jit(jax.vmap(jax.jacrev(values)))
+        #: Names of what jumps, the mean logarithm of the stress first, then how much each deformation differs from it.
+        self.names = ("stress", *(f"stress_{k}" for k in range(F.shape[-1])))
+
+    def values(self, params: Float[np.ndarray, "cell parameter"]) -> Float[np.ndarray, "cell value"]:
+        """The logarithms of every cell."""
+        return np.asarray(self._values(params))
+
+    def slope(self, params: Float[np.ndarray, "cell parameter"]) -> Float[np.ndarray, "cell value parameter"]:
+        """Their derivative by the parameters of the cell."""
+        return np.asarray(self._slope(params))
