@@ -1,11 +1,13 @@
 """A small test whose material a hyper-network holds, exactly or nearly."""
 
+import functools
+
 import numpy as np
 
 from hypernode.config.methods import Constrained, Frequencies
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.identification.problem import problem_of_basis
-from hypernode.identification.settings import STRATEGY
+from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.material.node_law import NodeLaw
 from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.loads import make_load
@@ -34,13 +36,16 @@ def other_weights(field, size):
     return field.start + np.random.default_rng(4).normal(0.0, size, field.start.size)
 
 
-def problem_of_field(cells, kind, stretches, noise, moved=0.0, strategy=STRATEGY):
+@functools.cache
+def problem_of_field(cells, kind, stretches, noise, moved=0.0, tolerance=STRATEGY.newton_tolerance):
     """(problem, field) of a test of the sheet that is what the network says, or would say with other weights.
 
     Args:
         moved: standard deviation of the other weights from the network's own.
+        tolerance: relative residual at which a state counts as equilibrium.
     """
-    data, mesh, _ = sheet(cells, square, make_load(kind, stretches))
+    strategy = Strategy(newton_tolerance=tolerance)
+    data, mesh, _ = sheet(cells, square, make_load(kind, list(stretches)))
     data, field, settings = believed(data, noise), weight_field(mesh), Constrained(force_noise=FORCE_NOISE)
     problem = problem_of_basis(data, settings, LAW, strategy=strategy)
     params = field.params(other_weights(field, moved))
