@@ -81,7 +81,9 @@ def test_a_network_that_explains_its_test_to_the_noise_is_left_as_it_is():
     found = polish(problem, field, CONSTRAINED, Polish(), list(problem.observations.u), "sheet")
     assert not found.kept and found.ending is None and "explained to their noise" in found.reason
     np.testing.assert_array_equal(found.weights, field.start)
-    assert max(found.misfits["used"]["before"].values()) < 1.6
+    # By chance the root mean square of four forces exceeds one by no more than two of its standard deviations.
+    assert found.misfits["used"]["before"]["displacement"] < 1.05
+    assert found.misfits["used"]["before"]["force"] < 1.0 + 2.0 / np.sqrt(8.0)
 
 
 def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_agree():
