@@ -13,7 +13,7 @@ from hypernode.polishing.polish import polish
 from tests.polishing.sheets import FORCE_NOISE, LAW, other_weights, problem_of_field
 
 #: Standard deviation of the weights of another material from those of the network.
-MOVED = 0.15
+MOVED = 0.25
 STRETCHES = (1.08, 1.14, 1.2)
 #: Differences need a sharper equilibrium than a descent does.
 SHARP = 1e-11
@@ -87,15 +87,17 @@ def test_a_network_that_explains_its_test_to_the_noise_is_left_as_it_is():
 
 
 def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_agree():
-    """Of a sheet that it does not know, the used data and the held-out ones are then missed by little but noise."""
+    """Used data are then missed by little but noise, and held-out ones by less than half of what they were."""
     problem, field = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3, moved=MOVED)
-    found = polish(problem, field, CONSTRAINED, Polish(), list(problem.observations.u), "sheet")
+    found = polish(
+        problem, field, CONSTRAINED, Polish(iterations=20, deviation=0.5), list(problem.observations.u), "sheet"
+    )
     used, held = found.misfits["used"], found.misfits["held_out"]
     assert found.kept and not np.array_equal(found.weights, field.start)
     assert used["before"]["force"] > 10.0 and used["after"]["force"] < 2.5
     for name in ("displacement", "force"):
         assert held["after"][name] <= max(held["before"][name], 1.0)
-    assert held["after"]["force"] < 0.2 * held["before"]["force"]
+    assert held["after"]["force"] < 0.5 * held["before"]["force"]
     # What is kept is what is stored: the network in the precision of its file gives the states that were judged.
     stored = field.stored(found.weights)
     np.testing.assert_array_equal(found.weights, stored)
