@@ -65,7 +65,10 @@ RUNS = [(name, method) for name in CASES for method in CONFIG.cases[name].method
 METHODS = list(dict.fromkeys(method for _, method in RUNS))
 BASELINES = [name for name in METHODS if CONFIG.methods[name].baseline]
 ONLY_PRETRAINED = [name for name in METHODS if only_pretrained(CONFIG, name)]
-FULLY_TRAINED = [name for name in METHODS if name not in (*BASELINES, *ONLY_PRETRAINED)]
+POLISHED = [name for name in METHODS if CONFIG.methods[name].polish]
+FULLY_TRAINED = [
+    name for name in METHODS if name not in (*BASELINES, *ONLY_PRETRAINED, *POLISHED)
+]
 FIGURES = figure_runs(CONFIG, CASES)
 EXPLORED = explored_runs(CONFIG, CASES)
 POPULATIONS = planned_populations(CONFIG)

@@ -25,6 +25,11 @@ ALLOWED = {
     "pictures": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "progress", "mechanics", "fem", "data", "config"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
+    "polishing": {
+        *("errors", "verdict", "progress", "mechanics", "networks", "fem", "data", "material", "config"),
+        # The test, its equilibrium and their derivatives.
+        "identification",
+    },
     "training": {"errors", "progress", "mechanics", "networks", "fem", "data", "material", "config"},
     "evaluation": {
         "errors",
@@ -54,7 +59,8 @@ ALLOWED = {
     "pipeline": {"errors", "config", "dic", "pictures", "storage"},
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
-        *("verdict", "synthetic", "pictures", "identification", "advice", "training", "evaluation", "explorer"),
+        *("verdict", "synthetic", "pictures", "identification", "advice", "polishing", "training", "evaluation"),
+        "explorer",
     },
     "commands": {
         *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
@@ -71,6 +77,7 @@ ALLOWED = {
 OWN_SECTIONS = {
     "identification": {"config.methods"},
     "advice": {"config.methods"},
+    "polishing": {"config.methods"},
     "training": {"config.methods"},
     "material": {"config.methods"},
 }

@@ -148,9 +148,27 @@ def test_a_rule_sees_only_its_part_of_the_configuration():
     assert from_slice(part).materials["stiff"].parameters == {"mu": 2.0}
 
 
-@pytest.mark.parametrize("name", ["config", "smoke", "robustness"])
+@pytest.mark.parametrize("name", ["config", "smoke", "robustness", "laws"])
 def test_shipped_configurations_are_valid(name):
     assert load_config(ROOT / "config" / f"{name}.yaml").cases
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"constrained": None}, {"pretraining": {**OPTIMISER, "iterations": 0}}, {"training": OPTIMISER}],
+)
+def test_only_a_network_that_learnt_an_equilibrium_field_last_is_polished(change):
+    good = {"constrained": {"iterations": 3}, "training": {**OPTIMISER, "iterations": 0}, "polish": {"iterations": 2}}
+    base = {**BASE["methods"]["m"], **good}
+    assert check_config(changed(("methods", "m"), base)).methods["m"].polish.iterations == 2
+    with pytest.raises(ConfigError, match="polish goes on from a network"):
+        check_config(changed(("methods", "m"), {key: v for key, v in {**base, **change}.items() if v is not None}))
+
+
+def test_an_exponent_that_an_energy_divides_by_is_not_zero():
+    materials = {"model": "ogden", "mu": 1.0, "alpha": 0.0}
+    with pytest.raises(ConfigError, match="'alpha' must not be zero"):
+        check_config(changed(("materials", "stiff"), materials))
 
 
 def test_a_merge_keeps_what_the_mapping_says_itself(tmp_path):

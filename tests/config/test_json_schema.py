@@ -22,7 +22,7 @@ def test_the_shipped_schema_is_that_of_the_code():
     Draft202012Validator.check_schema(schema())
 
 
-@pytest.mark.parametrize("name", ["config", "smoke", "robustness", "pictures"])
+@pytest.mark.parametrize("name", ["config", "smoke", "robustness", "pictures", "laws"])
 def test_shipped_configurations_follow_it_and_name_it(name):
     written = (CONFIG / f"{name}.yaml").read_text()
     assert written.startswith("# yaml-language-server: $schema=schema.json\n")

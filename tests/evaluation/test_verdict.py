@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from hypernode.evaluation.criteria import judge_run
+from hypernode.evaluation.polish import score_polish
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.thresholds import SETTINGS, Threshold
 from hypernode.mechanics.loads import make_load
@@ -245,6 +246,29 @@ def test_a_stored_verdict_is_strict_json_with_every_criterion(measurement):
 def test_thresholds_are_settings(measurement):
     strict = replace(SETTINGS, spread=Threshold(0.01, 0.015))
     assert judge_run(GOOD, measurement, constrained(), strict).label == "fail: uncertainty"
+
+
+def polished(kept=True, ending="converged", **misfits):
+    """A file of a polished material, with held-out misfits of displacements and forces before and after."""
+    held_out = {"before": {"displacement": 1.4, "force": 5.0}, "after": {"displacement": 1.01, "force": 1.2}}
+    found = {"kept": kept, "reason": "a reason", "ending": ending, "misfits": {"held_out": held_out | misfits}}
+    return xr.Dataset(attrs={"polished": json.dumps(found)})
+
+
+def test_polished_networks_are_judged_by_what_they_have_not_seen_and_not_by_the_field_that_they_left(measurement):
+    summary = {**score_polish(polished()).summary, "network_error": 0.05}
+    found = criterion(judged(measurement, **summary), "networks")
+    assert found.level is Level.PASSED and "1.01" in found.sentence and "not 5" in found.sentence
+    ended = {**score_polish(polished(ending="out of iterations")).summary, "network_error": 0.05}
+    assert level(judged(measurement, **ended), "networks") is Level.WARNED
+
+
+def test_a_polished_network_that_is_not_kept_leaves_the_judgement_of_the_one_before(measurement):
+    summary = score_polish(polished(kept=False)).summary
+    assert summary["held_out_force_misfit"] == summary["held_out_force_misfit_before"] == 5.0
+    assert summary["polish"] == "not kept" and summary["polish_reason"] == "a reason"
+    assert level(judged(measurement, **summary, network_error=0.05), "networks") is Level.WARNED
+    assert score_polish(xr.Dataset()).summary == {}
 
 
 def test_the_region_of_deformations_is_that_of_the_principal_stretches():

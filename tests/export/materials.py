@@ -15,6 +15,7 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.material.basis_file import basis_content
 from hypernode.material.files import node_material
 from hypernode.material.node_material import NodeMaterial
+from hypernode.mechanics.closed_forms import MODELS
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
@@ -56,11 +57,29 @@ def basis_file(terms, subcells=4):
 
 def closed_form_file():
     """Every law, each in some cells."""
-    models = ["neo_hookean", "mooney_rivlin", "yeoh", "goh", "hgo", "compressible_neo_hookean"]
+    models = list(MODELS)
     random = np.random.default_rng(3)
-    names = ("mu", "C10", "C01", "C20", "C30", "k1", "k1w", "k2", "K", "fibre_angle")
+    names = (
+        "mu",
+        "C10",
+        "C01",
+        "C20",
+        "C30",
+        "k1",
+        "k1w",
+        "k2",
+        "K",
+        "fibre_angle",
+        "b",
+        "c",
+        "a_v",
+        "a_w",
+        "a_vw",
+        "a_s",
+    )
     values = {name: random.uniform(0.5, 1.5, len(MESH.cells)) for name in names}
     values |= {"kappa": random.uniform(0.0, 0.3, len(MESH.cells)), "model": np.arange(len(MESH.cells)) % len(models)}
+    values |= {"alpha": random.choice([-3.0, 5.0], len(MESH.cells)), "Jm": random.uniform(5.0, 9.0, len(MESH.cells))}
     content = {f"material.{name}": ("cell", value) for name, value in values.items()}
     return file_of(content, material_kind="closed_form", models=json.dumps(models))
 

@@ -17,6 +17,7 @@ from hypernode.networks.terms import TERMS
 VALUES = {
     "mu": 1.3, "C10": 0.5, "C01": 0.2, "C20": 0.1, "C30": 0.02, "k1": 0.8, "k1w": 0.3, "k2": 0.4,
     "kappa": 0.1, "fibre_angle": 0.6, "K": 2.1,
+    "alpha": -3.0, "Jm": 3.0, "b": 1.5, "c": 0.9, "a_v": 2.0, "a_w": 1.0, "a_vw": 0.5, "a_s": 0.7,
 }  # fmt: skip
 NODES = {
     "node": NodeMaterial(tuple(term for term in TERMS if term != "J"), (4, 4), 4, 0.4, 1.5),
@@ -114,6 +115,44 @@ def test_a_compressible_sheet_that_hardly_changes_volume_is_the_incompressible_o
     for F in F_SAMPLES:
         P = closed_form_stress(("compressible_neo_hookean",))(jnp.asarray(F), params)
         np.testing.assert_allclose(P, closed_form("neo_hookean")(jnp.asarray(F)), rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.parametrize("alpha", [2.0, -2.0, 5.0, -3.0, 1.3])
+@pytest.mark.parametrize("stretches", [(1.3, 0.9), (1.2, 1.2), (1.2, 1.2001), (1.0, 1.0)])
+def test_ogden_stress_is_the_textbook_one_of_principal_stretches_equal_or_not(alpha, stretches):
+    """P_a = 2 mu/alpha (l_a^alpha - l3^alpha) / l_a; its tangent is that of differences, also where two are equal."""
+    stress = closed_form_stress(("ogden",))
+    params = {"model": jnp.zeros(()), "mu": 1.3, "alpha": alpha}
+    a, b = stretches
+    expected = [2.6 / alpha * (each**alpha - (a * b) ** -alpha) / each for each in stretches]
+    F = jnp.diag(jnp.array(stretches))
+    np.testing.assert_allclose(stress(F, params), np.diag(expected), rtol=1e-9, atol=1e-9)
+    direction, h = jnp.array([[0.3, 1.0], [-0.4, 0.2]]), 1e-5
+    slope = jax.jvp(lambda F: stress(F, params), (F,), (direction,))[1]
+    differences = (stress(F + h * direction, params) - stress(F - h * direction, params)) / (2 * h)
+    np.testing.assert_allclose(slope, differences, rtol=1e-6, atol=1e-7)
+
+
+def test_ogden_of_two_is_neo_hookean_and_a_slight_gent_or_demiray_sheet_nearly():
+    models = {"ogden": {"alpha": 2.0}, "gent": {"Jm": 1e6}, "demiray": {"b": 1e-6}}
+    for F in F_SAMPLES:
+        for name, values in models.items():
+            P = closed_form_stress((name,))(jnp.asarray(F), {"model": jnp.zeros(()), "mu": 1.3, **values})
+            np.testing.assert_allclose(P, closed_form("neo_hookean")(jnp.asarray(F)), rtol=1e-5, atol=1e-5)
+
+
+def test_fung_stress_is_F_times_the_derivative_by_the_green_strain():
+    c, a_v, a_w, a_vw, a_s = (VALUES[key] for key in ("c", "a_v", "a_w", "a_vw", "a_s"))
+    angle = VALUES["fibre_angle"]
+    R = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    for F in F_SAMPLES:
+        E = R @ (0.5 * (F.T @ F - np.eye(2))) @ R.T
+        along, across, shear = E[0, 0], E[1, 1], E[0, 1]
+        Q = a_v * along**2 + a_w * across**2 + 2 * a_vw * along * across + 4 * a_s * shear**2
+        # Half the derivative of Q, as the energy has c/2.
+        S = np.array([[a_v * along + a_vw * across, 2 * a_s * shear], [2 * a_s * shear, a_w * across + a_vw * along]])
+        expected = c * np.exp(Q) * F @ R.T @ S @ R
+        np.testing.assert_allclose(closed_form("fung")(jnp.asarray(F)), expected, rtol=1e-10, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", NODES)

@@ -3,7 +3,14 @@
 import copy
 
 from hypernode.config.loading import check_config
-from hypernode.pipeline.dag import field_inputs, only_pretrained, previous_input, stage_file
+from hypernode.pipeline.dag import (
+    field_inputs,
+    only_pretrained,
+    previous_input,
+    run_benchmarks,
+    run_stages,
+    stage_file,
+)
 from tests.config.test_config import BASE
 
 
@@ -34,6 +41,18 @@ def test_a_stage_without_iterations_is_left_out():
     assert stage_file(config, "a", "shorter", "pretrained") == "results/a/shorter/material.nc"
     config = config_with(untaught={"pretraining": idle})
     assert previous_input(config, "a", "untaught", "material") == {"previous": "results/a/m/initialised.nc"}
+
+
+def test_a_polished_network_goes_on_from_the_pretrained_one_that_other_methods_share():
+    idle = {"iterations": 0}
+    taught = {"constrained": {"iterations": 3}, "training": idle}
+    config = config_with(taught=taught, polished={**taught, "polish": {"iterations": 3}})
+    assert only_pretrained(config, "taught") and not only_pretrained(config, "polished")
+    assert previous_input(config, "a", "polished", "material") == {"previous": "results/a/taught/material.nc"}
+    alone = config_with(polished={**taught, "polish": {"iterations": 3}})
+    assert previous_input(alone, "a", "polished", "material") == {"previous": "results/a/polished/pretrained.nc"}
+    assert run_stages(alone, "polished")[-2:] == ["pretrained", "material"]
+    assert run_benchmarks(alone, "a", "polished")[-2].endswith("polished/polish.jsonl")
 
 
 def test_another_seed_or_another_equilibrium_field_shares_nothing_that_depends_on_it():

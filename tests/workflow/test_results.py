@@ -25,6 +25,7 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     wanted = {f"disc/{s}.nc" for s in ("true_material", "forward", "measurement")}
     wanted |= {f"disc/{m}/{s}.nc" for m in ("tiny", "tiny_pointwise") for s in stages}
     wanted |= {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in constrained}
+    wanted |= {f"disc/tiny_polished/{s}.nc" for s in constrained[-2:]}
     wanted |= {f"seen/{m}/{s}.nc" for m in ("homogeneous", "equilibrium_gap", "updating") for s in constrained[-2:]}
     wanted |= {f"figures/{f}.{k}" for f in ("disc", "overview", "fibres", "several") for k in ("pdf", "png")}
     wanted |= {f"tables/{t}.{k}" for t in ("groups", "timing", "materials") for k in ("csv", "md", "tex")}
@@ -58,6 +59,8 @@ BOUNDS = {
     "disc/tiny_icnn": {"stress_error": (0.15, 0.25), "dice": (0.85, 1.0)},
     "disc/tiny_pointwise": {"stress_error": (0.25, 0.36), "dice": (0.50, 1.0)},
     "disc/tiny_constrained": {"stress_error": (0.25, 0.38), "stress_error_constrained": (0.0, 0.01)},
+    # Taught for seconds, it is far from what it was taught, and closer to it once displacements and forces are asked.
+    "disc/tiny_polished": {"stress_error": (0.0, 0.38), "stress_error_constrained": (0.0, 0.01)},
     "pierced/tiny_constrained": {"stress_error": (0.25, 0.40), "stress_error_constrained": (0.0, 0.26)},
     "seen/tiny_constrained": {"stress_error": (0.25, 0.38), "stress_error_constrained": (0.0, 0.07)},
     "seen/homogeneous": {"stress_error": (0.30, 0.31), "dice": (0.0, 0.0)},
@@ -73,6 +76,17 @@ def test_every_run_is_as_near_the_truth_as_its_method_comes_in_so_short_a_time(s
         summary = summary_of(files[run])
         for key, (least, most) in bounds.items():
             assert least <= summary[key] <= most, (run, key, summary[key])
+
+
+def test_a_polished_network_says_what_became_of_it(smoke):
+    with xr.open_dataset(smoke / "results/disc/tiny_polished/material.nc") as material:
+        polished = json.loads(material.attrs["polished"])
+        assert material["held_out"].values.tolist() == [1, 0, 0]
+        assert ("u" in material) == polished["kept"] and polished["reason"]
+    summary = summary_of(smoke / "results/disc/tiny_polished/evaluation.nc")
+    assert summary["polish"] == ("kept" if polished["kept"] else "not kept")
+    before, after = (summary[f"held_out_displacement_misfit{end}"] for end in ("_before", ""))
+    assert after <= max(before, 1.0)
 
 
 def test_an_identified_material_carries_a_load_that_it_never_saw(smoke):

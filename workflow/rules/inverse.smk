@@ -59,7 +59,7 @@ rule pretraining:
     benchmark:
         "results/benchmarks/{case}/{method}/pretraining.jsonl"
     wildcard_constraints:
-        method="|".join(map(re.escape, FULLY_TRAINED)) or "none",
+        method="|".join(map(re.escape, (*FULLY_TRAINED, *POLISHED))) or "none",
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "pretraining"),
@@ -78,6 +78,30 @@ use rule pretraining as only_pretraining with:
         record="results/{case}/{method}/material.nc.json",
     wildcard_constraints:
         method="|".join(map(re.escape, ONLY_PRETRAINED)) or "none",
+
+
+rule polish:
+    input:
+        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, *LEARNING)),
+        unpack(lambda w: previous_input(CONFIG, w.case, w.method, "material")),
+    output:
+        ensure("results/{case}/{method}/material.nc", non_empty=True),
+        record="results/{case}/{method}/material.nc.json",
+    log:
+        "results/logs/{case}/{method}/polish.log",
+    benchmark:
+        "results/benchmarks/{case}/{method}/polish.jsonl"
+    wildcard_constraints:
+        method="|".join(map(re.escape, POLISHED)) or "none",
+    threads: 1
+    resources:
+        mem_mb=memory(CONFIG, "polish"),
+        runtime=runtime(CONFIG, "polish"),
+    params:
+        code=CODE["polish"],
+        settings=lambda w: method_settings(CONFIG, w.method, "polished"),
+    script:
+        "../scripts/polish.py"
 
 
 rule training:

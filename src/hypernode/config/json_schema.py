@@ -29,6 +29,14 @@ _PARAMETERS = {
     "k1w": "Stiffness of the second, perpendicular family of fibres [Pa].",
     "k2": "How fast the fibres stiffen [-].",
     "kappa": "Dispersion of the fibres: 0 aligned, 1/3 isotropic [-].",
+    "alpha": "Exponent of the stretches, not zero [-].",
+    "Jm": "I1 - 3 at which the sheet can be stretched no further [-].",
+    "b": "How fast the sheet stiffens [-].",
+    "c": "Stiffness of the exponential [Pa].",
+    "a_v": "How fast it grows with the strain along the fibres [-].",
+    "a_w": "How fast it grows with the strain across them [-].",
+    "a_vw": "How fast it grows with the product of both [-].",
+    "a_s": "How fast it grows with their shear [-].",
     "fibre_angle": "Direction of the fibres, anticlockwise from x [degrees].",
 }
 

@@ -44,6 +44,19 @@ class Pretraining(Optimiser):
     """How often it is trained at most."""
 
 
+class Polish(Section):
+    """The stage in which the pre-trained network itself is brought to explain displacements and forces."""
+
+    iterations: NonNegativeInt = 12
+    """Largest number of Gauss-Newton steps; with 0 the network is judged on the held-out load steps, and left as it
+    is."""
+    deviation: Positive = 0.1
+    """How far, relative, the stress under homogeneous deformations may come away from that of the pre-trained network:
+    its standard deviation before the data are seen."""
+    tolerance: Positive = 2e-4
+    """It ends where a step lowers the cost by less than this times what noise alone costs."""
+
+
 class Interpolant(Frequencies, Optimiser):
     """The network (X, t) -> F."""
 
@@ -168,6 +181,9 @@ class Method(Section):
     """Second stage: the hyper-network learns that material everywhere."""
     pretraining: Pretraining | None = None
     """Third stage: it learns the stress of the constrained field, or a uniform one."""
+    polish: Polish | None = None
+    """Stage after pre-training: the network itself is brought to explain displacements and forces in finite-element
+    equilibrium, and is kept if load steps that it did not see agree better; left out, it stays as it is."""
     training: Training | None = None
     """Last stage: equilibrium and edge forces."""
     prior_weight: NonNegative = 1e-3
@@ -179,7 +195,7 @@ class Method(Section):
     def _stages(self):
         stages = ("node", "hypernetwork", "homogenised", "initialisation", "pretraining", "training")
         if self.baseline:
-            idle = [key for key in (*stages, "interpolant") if getattr(self, key) is not None]
+            idle = [key for key in (*stages, "interpolant", "polish") if getattr(self, key) is not None]
             if idle:
                 raise ValueError(f"a baseline has no networks: leave out {', '.join(idle)}")
             if (self.constrained is None) == (self.baseline == "constrained"):
@@ -192,6 +208,11 @@ class Method(Section):
             raise ValueError(
                 f"training.equilibrium '{self.training.equilibrium}' needs an interpolant: only that can be "
                 "differentiated"
+            )
+        if self.polish and (not self.constrained or not self.pretraining.iterations or self.training.iterations):
+            raise ValueError(
+                "polish goes on from a network that pre-training taught an equilibrium field: it needs the section "
+                "constrained, iterations in pretraining, and none in training"
             )
         if self.constrained and ("J" in self.constrained.terms) != ("J" in self.node.terms):
             raise ValueError(

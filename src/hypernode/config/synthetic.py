@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 from hypernode.config.correlation import Correlation
 from hypernode.config.pictures import Pictures
 from hypernode.config.section import Count, Fraction, NonNegative, NonNegativeInt, Positive, Section
-from hypernode.mechanics.parameters import PARAMETERS
+from hypernode.mechanics.parameters import NONZERO, PARAMETERS
 
 LoadKind = Literal[
     "equibiaxial", "biaxial", "uniaxial_x", "uniaxial_y", "clamped_x", "clamped_y", "shear", "biaxial_clamped"
@@ -38,6 +38,8 @@ class Material(Section):
                 raise ValueError(f"'{key}' is not a parameter of {values['model']} ({', '.join(wanted)}){hint}")
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise ValueError(f"'{key}' must be a number, not {value!r}")
+            if key in NONZERO and value == 0.0:
+                raise ValueError(f"'{key}' must not be zero: the energy of {values['model']} is over it")
             lower, upper = wanted[key]
             if not lower <= value <= upper:
                 raise ValueError(f"'{key}' = {value!r} is outside {lower:g} ... {upper:g}")

@@ -1,10 +1,11 @@
 """What is known about the forces of every load step, as mean stresses."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from hypernode.data.measurement import stress_resultants
 from hypernode.fem.mesh import EDGE_NAMES, EDGES, tied_edge
@@ -46,6 +47,11 @@ class Loading:
             weight[i, i] = np.maximum(weight[i, i], free)
             weight[i, 1 - i] = np.maximum(weight[i, 1 - i], ~self.measured[:, 1 - i, i])
         return weight[..., None]
+
+    def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Loading":
+        """That of some of the steps; load cases keep their numbers and load parameters."""
+        by_step = ("load_case", "t", "resultant", "P_average", "measured", "scale")
+        return dataclasses.replace(self, **{name: getattr(self, name)[steps] for name in by_step})
 
     @classmethod
     def of(cls, measurement: xr.Dataset) -> "Loading":

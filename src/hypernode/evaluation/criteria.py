@@ -8,6 +8,7 @@ import xarray as xr
 
 from hypernode.data.measurement import is_cut_out
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
+from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
@@ -161,8 +162,24 @@ def _networks(summary, settings: Settings) -> Criterion:
     name = "networks"
     if "network_error" not in summary:
         return _not_judged(name, "The method has no equilibrium field that networks learn.")
+    if summary.get("polish") == KEPT:
+        return _polished(name, summary)
     words = "Networks miss the stress of the equilibrium field by"
     return _limited(name, words, summary["network_error"], settings.networks)
+
+
+def _polished(name: str, summary) -> Criterion:
+    """Of networks that came away from the equilibrium field to explain the test better than what learnt it."""
+    misses = [
+        f"{summary[f'held_out_{what}_misfit']:.3g} of their noise, not {summary[f'held_out_{what}_misfit_before']:.3g}"
+        for what in ("displacement", "force")
+    ]
+    sentence = f"Polished networks miss displacements that they have not seen by {misses[0]}, and forces by {misses[1]}"
+    if summary["polish_ending"] == Ending.CONVERGED:
+        return Criterion(name, Level.PASSED, f"{sentence}.")
+    return Criterion(
+        name, Level.WARNED, f"{sentence}, but the polishing did not converge ({summary['polish_ending']})."
+    )
 
 
 def _equilibrium(summary, measurement, settings: Settings) -> Criterion:

@@ -9,7 +9,6 @@ import xarray as xr
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
 from hypernode.data.measurement import (
-    field_gradient,
     is_on_its_own_grid,
     measured_displacement,
     mesh_of,
@@ -22,6 +21,7 @@ from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
+from hypernode.evaluation.polish import identified_gradient, score_polish
 from hypernode.evaluation.probes import indicator, stress_at_common_F
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
@@ -87,6 +87,7 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
         judged |= Judgement({"misfit": misfit}, {"interpolant_misfit": float(misfit.max())})
     if constrained is not None:
         judged |= score_ending(constrained)
+    judged |= score_polish(files["material"])
     if samples is not None:
         cut = 0.0 if is_on_its_own_grid(measurement) else interface_spread(mesh, phases.variables["phase_found"], field)
         judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch), cut)
@@ -101,7 +102,7 @@ def _at_both_deformations(files, found) -> Judgement:
     mesh, loading = mesh_of(measurement), Loading.of(measurement)
     deformations = {
         "measured": deformation_gradient(mesh, filled(mesh, measured_displacement(measurement))),
-        "identified": np.moveaxis(field_gradient(files["field"]), (0, 1), (2, 3)),
+        "identified": np.moveaxis(identified_gradient(files["field"], files["material"]), (0, 1), (2, 3)),
     }
     stresses = {key: stress_at(found, mesh.centres, F) for key, F in deformations.items()}
     judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])

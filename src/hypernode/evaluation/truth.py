@@ -96,6 +96,7 @@ def score_stress(
         {
             "stress_error": relative_error(found, true, areas),
             "stress_error_all_modes": relative_error(P, P_true, areas),
+            "stress_error_other_modes": relative_error(*(np.delete(each, observed, 0) for each in (P, P_true)), areas),
             "stress_error_without_ten_cells": relative_error(found, true, areas * ~worst_cells(found, true, areas, 10)),
             "stress_error_off_interface": relative_error(found, true, areas * ~interface_band(mesh, phase > 0)),
             "contrast_error": error,

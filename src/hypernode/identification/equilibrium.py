@@ -1,5 +1,6 @@
-"""Equilibrium of every load step of a test for a field of convex-basis parameters."""
+"""Equilibrium of every load step of a test for a field of parameters of a law."""
 
+import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,8 +12,8 @@ from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.solver import EquilibriumSolver
 from hypernode.identification.observations import Boundary, Observations
 from hypernode.identification.settings import Strategy
-from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import Load
+from hypernode.mechanics.point_law import PointLaw
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class FieldEquilibrium:
     def __init__(
         self,
         mesh: Mesh,
-        basis: ConvexBasis,
+        law: PointLaw,
         boundaries: tuple[Boundary, ...],
         tolerance: float,
         relative_thickness: Float[np.ndarray, " cell"],
@@ -50,15 +51,21 @@ class FieldEquilibrium:
         self._log_thickness = np.log(relative_thickness)
         self._solver = EquilibriumSolver(
             mesh,
-            lambda F, p: basis.stress(F, p["params"]),
-            {"params": np.tile(basis.start, (len(mesh.cells), 1))},
+            lambda F, p: law.stress(F, p["params"]),
+            {"params": np.tile(law.start, (len(mesh.cells), 1))},
         )
 
     @classmethod
-    def of(cls, observations: Observations, basis: ConvexBasis, strategy: Strategy) -> "FieldEquilibrium":
+    def of(cls, observations: Observations, law: PointLaw, strategy: Strategy) -> "FieldEquilibrium":
         """That of the sheet of a test."""
         mesh, thickness = observations.refinement.mesh, observations.relative_thickness
-        return cls(mesh, basis, observations.boundaries, strategy.newton_tolerance, thickness)
+        return cls(mesh, law, observations.boundaries, strategy.newton_tolerance, thickness)
+
+    def under_boundaries(self, boundaries: tuple[Boundary, ...]) -> "FieldEquilibrium":
+        """The same sheet, and its compiled finite elements, whose boundary moves otherwise."""
+        other = copy.copy(self)
+        other.boundaries = boundaries
+        return other
 
     @property
     def shape_gradients(self):

@@ -51,9 +51,7 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
     """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
     strategy = problem.strategy
     ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, strategy.ridge**2), len(centre))
-    # On finer grids a length of interface costs what it does on the finest that is not begun from a coarser one.
-    areas = problem.observations.grid.areas
-    unit = np.sqrt(areas.sum() / min(len(areas), strategy.most_cells_at_once))
+    unit = strategy.unit_length(problem.observations.grid.areas)
     regulariser = Regulariser(problem.mesh, problem.basis.names, unit, problem.stiffness, strategy)
     cost = JumpCost(strategy.smallest_jump, scale)
     return Objective(problem, regulariser, settings.regulariser_weight, cost, ridge, centre.ravel(), strategy)

@@ -32,6 +32,20 @@ class Step(NamedTuple):
     deflation: np.ndarray | None
 
 
+def white_residuals(problem: FieldProblem, states, sigma: float, linear: Jacobian | None):
+    """(displacements, forces): misfits of a test over their uncertainties, free of what errors of edges explain.
+
+    Args:
+        sigma: uncertainty of the displacements.
+        linear: the sensitivities that know what residuals share; without them they count as independent.
+    """
+    u, f = problem.residuals(states)
+    every = np.concatenate([*(r / sigma for r in u), f])
+    if linear is not None:
+        every = linear.whiten(every)
+    return tuple(np.split(every, [len(every) - len(f)]))
+
+
 @dataclasses.dataclass(frozen=True)
 class Objective:
     """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge.
@@ -55,11 +69,7 @@ class Objective:
 
     def residuals(self, states, sigma: float, linear: Jacobian | None) -> tuple[np.ndarray, np.ndarray]:
         """(displacements, forces): misfits over their uncertainties, free of what errors of edges explain."""
-        u, f = self.problem.residuals(states)
-        every = np.concatenate([*(r / sigma for r in u), f])
-        if linear is not None:
-            every = linear.whiten(every)
-        return tuple(np.split(every, [len(every) - len(f)]))
+        return white_residuals(self.problem, states, sigma, linear)
 
     def misfit(self, states, linear: Jacobian | None) -> float:
         """Root mean square of the displacement misfit over its noise."""

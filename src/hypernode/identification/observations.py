@@ -1,10 +1,10 @@
 """What a test says of a sheet's displacement: what is prescribed, what was observed, and its noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
 from hypernode.data.loading import Loading
@@ -99,6 +99,11 @@ class Observations:
         """Mean deformation gradient of the sheet."""
         area = self.grid.areas / self.grid.areas.sum()
         return np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area)
+
+    def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Observations":
+        """Those of some of the load steps, as uncertain as in the whole test."""
+        boundaries = tuple(self.boundaries[step] for step in steps)
+        return replace(self, loading=self.loading.of_steps(steps), u=self.u[steps], boundaries=boundaries)
 
 
 def observe(measurement, subcells: int, strategy: Strategy, floor: float | None = None) -> Observations:

@@ -1,14 +1,17 @@
 """What equilibrium makes of a material field: displacements and forces, and their derivatives.
 
 The forward half of the identification: the observations of a test, the finite-element equilibrium of every load step
-for a field of convex-basis parameters, and the exact linearisation of the one with respect to the other.
+for a field of parameters of a law, and the exact linearisation of the one with respect to the other.
 """
+
+import copy
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
@@ -20,12 +23,17 @@ from hypernode.identification.resultants import EdgeForce, edge_forces, shared_e
 from hypernode.identification.sensitivities import Jacobian, StepJacobian, quadrature
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.point_law import PointLaw
+
+#: Nodal forces of a bilinear cell.
+CELL_FORCES = 8
 
 
 class FieldProblem:
     """The observations of a test and the equilibrium that ties a material field to them; see :func:`field_problem`.
 
     Attributes:
+        basis: the law whose parameters the field holds, a convex basis unless said otherwise.
         homogeneous: the homogeneous material that the test is closest to; None where no descent begins at it.
         forces: measured resultants.
     """
@@ -33,7 +41,7 @@ class FieldProblem:
     def __init__(
         self,
         observations: Observations,
-        basis: ConvexBasis,
+        basis: PointLaw,
         equilibrium: FieldEquilibrium,
         homogeneous: Homogeneous | None,
         forces: list[EdgeForce],
@@ -43,7 +51,7 @@ class FieldProblem:
         self.homogeneous, self.forces, self.strategy = homogeneous, forces, strategy
         self._mean_F = jnp.asarray(observations.mean_F)
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
-        self._shares = _quadrature(observations) if self.noisy else np.ones(len(observations.u))
+        self._shares = self._shares_of_steps()
         self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
         self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
         self._gradients, self._weights = equilibrium.shape_gradients
@@ -103,6 +111,9 @@ class FieldProblem:
         """What noise of the assumed size costs at the true field."""
         return 0.5 * self.observed
 
+    def _shares_of_steps(self):
+        return _quadrature(self.observations) if self.noisy else np.ones(len(self.observations.u))
+
     def _cell_sensitivity(self, u, params, gradient, weight):
         """d(nodal forces)/d(parameters) of one cell (8, parameter)."""
 
@@ -110,12 +121,23 @@ class FieldProblem:
             F = jnp.eye(2)[:, :, None] + jnp.einsum("ai,qaJ->iJq", u, gradient)
             return jnp.einsum("q,qaJ,iJq->ai", weight, gradient, self.basis.stress(F, params[:, None])).ravel()
 
-        return jax.jacfwd(nodal)(params)
+        # One pass a parameter, or one a nodal force, whichever are fewer.
+        return (jax.jacfwd if len(params) <= CELL_FORCES else jax.jacrev)(nodal)(params)
 
     def _log_stress(self, params):
         """Logarithm of the size of the stress under the mean deformation of the sheet, every step over its scale."""
         P = self.basis.stress(self._mean_F, params[:, None]) / self.observations.loading.scale
         return 0.5 * jnp.log(jnp.sum(P**2))
+
+    def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "FieldProblem":
+        """The same with some of its load steps: their displacements, forces and boundaries, as uncertain as before."""
+        place = {int(step): number for number, step in enumerate(steps)}
+        other = copy.copy(self)
+        other.observations = self.observations.of_steps(steps)
+        other.equilibrium = self.equilibrium.under_boundaries(other.observations.boundaries)
+        other.forces = [replace(force, step=place[force.step]) for force in self.forces if force.step in place]
+        other._shares = other._shares_of_steps()
+        return other
 
     def stiffness(self, params: Float[np.ndarray, "cell parameter"]):
         """(logarithm of the stress under the mean deformation of the sheet (cell,), its derivative)."""
@@ -170,16 +192,16 @@ def field_problem(
 def problem_of_basis(
     measurement,
     settings: Constrained,
-    basis: ConvexBasis,
+    basis: PointLaw,
     subcells: int = 1,
     strategy: Strategy = STRATEGY,
     floor: float | None = None,
 ) -> FieldProblem:
-    """The problem of a measurement whose material is known in terms of a basis: nothing is fitted.
+    """The problem of a measurement whose material is known in terms of a law: nothing is fitted.
 
     Args:
         measurement, settings, subcells, strategy, floor: as of :func:`field_problem`.
-        basis: with the scale of the identification that made the field.
+        basis: the law; a convex basis has the scale of the identification that made the field.
     """
     observations = observe(measurement, subcells, strategy, floor)
     equilibrium = FieldEquilibrium.of(observations, basis, strategy)

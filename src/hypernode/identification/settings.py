@@ -193,6 +193,13 @@ class Strategy:
             return self.same_grid_floor
         return (self.subcells_floor if subcells > 1 else self.cut_cells_floor) / cells**0.5
 
+    def unit_length(self, areas) -> float:
+        """Length of interface that counts as one, by the areas of the measured cells (cell,).
+
+        On finer grids it costs what it does on the finest that is not begun from a coarser one.
+        """
+        return float((areas.sum() / min(len(areas), self.most_cells_at_once)) ** 0.5)
+
     @property
     def further_plateaus(self) -> tuple[Plateau, Plateau]:
         """Where further terms may follow, a test that is not explained waits for them there, or where it is stuck."""

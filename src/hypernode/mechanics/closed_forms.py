@@ -13,6 +13,9 @@ from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import Invariants, in_plane_trace
 
+#: Squares of x below which the sum of two powers is its series, and how many of its terms leave no digit in doubt.
+SERIES_BELOW, SERIES_TERMS = 1e-2, 8
+
 
 @dataclass(frozen=True)
 class ClosedForm:
@@ -75,6 +78,50 @@ def compressible_neo_hookean(I: Invariants, p: Mapping) -> Float[Array, "..."]:
     return 0.5 * mu * (in_plane_trace(I) + t**2 - 3.0 - 2.0 * jnp.log(J * t)) + 0.5 * K * (J * t - 1.0) ** 2
 
 
+def _sum_of_powers(trace, J, b):
+    """c1^b + c2^b of the eigenvalues of the in-plane C, by its trace and their product J^2.
+
+    With their mean m and half their difference r it is m^b ((1 + x)^b + (1 - x)^b), x = r/m, an even function of x
+    whose series has the derivatives that the square root in x lacks where the two are equal.
+    """
+    m = 0.5 * trace
+    square = 1.0 - (J / m) ** 2
+    small = square < SERIES_BELOW
+    series, coefficient = 1.0, 1.0
+    for k in range(1, SERIES_TERMS):
+        coefficient = coefficient * (b - 2 * k + 2) * (b - 2 * k + 1) / ((2 * k - 1) * 2 * k)
+        series = series + coefficient * square**k
+    x = jnp.sqrt(jnp.where(small, SERIES_BELOW, square))
+    return m**b * jnp.where(small, 2.0 * series, (1.0 + x) ** b + (1.0 - x) ** b)
+
+
+def ogden(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+    """One term of Ogden's series, Psi = 2 mu/alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3) with l3 = 1/J."""
+    alpha = p["alpha"]
+    powers = _sum_of_powers(in_plane_trace(I), I.J, 0.5 * alpha) + I.J**-alpha
+    return 2.0 * p["mu"] / alpha**2 * (powers - 3.0)
+
+
+def gent(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+    """Psi = -mu Jm/2 ln(1 - (I1 - 3)/Jm), infinite where I1 - 3 reaches Jm."""
+    return -0.5 * p["mu"] * p["Jm"] * jnp.log1p(-(I.I1 - 3.0) / p["Jm"])
+
+
+def demiray(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+    """Psi = mu/(2 b) (exp(b (I1 - 3)) - 1)."""
+    return 0.5 * p["mu"] / p["b"] * jnp.expm1(p["b"] * (I.I1 - 3.0))
+
+
+def fung(I: Invariants, p: Mapping) -> Float[Array, "..."]:
+    """Psi = c/2 (exp(a_v Evv^2 + a_w Eww^2 + 2 a_vw Evv Eww + 4 a_s Evw^2) - 1) of a membrane (Tong and Fung 1976).
+
+    E is the Green-Lagrange strain along v and w: 2 Evv = I4v - 1, 2 Eww = I4w - 1, 4 Evw^2 = I4v I4w - J^2.
+    """
+    Evv, Eww, shear = 0.5 * (I.I4v - 1.0), 0.5 * (I.I4w - 1.0), I.I4v * I.I4w - I.J**2
+    Q = p["a_v"] * Evv**2 + p["a_w"] * Eww**2 + 2.0 * p["a_vw"] * Evv * Eww + p["a_s"] * shear
+    return 0.5 * p["c"] * jnp.expm1(Q)
+
+
 MODELS: dict[str, ClosedForm] = {
     "neo_hookean": ClosedForm("mu/2 (I1 - 3)", ("mu",), (), neo_hookean),
     "mooney_rivlin": ClosedForm("C10 (I1 - 3) + C01 (I2 - 3)", ("C10", "C01"), (), mooney_rivlin),
@@ -94,9 +141,18 @@ MODELS: dict[str, ClosedForm] = {
     "compressible_neo_hookean": ClosedForm(
         "mu/2 (I1 - 3 - 2 ln J) + K/2 (J - 1)^2", ("mu", "K"), (), compressible_neo_hookean
     ),
+    "ogden": ClosedForm("2 mu/alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3)", ("mu", "alpha"), ("alpha",), ogden),
+    "gent": ClosedForm("-mu Jm/2 ln(1 - (I1 - 3)/Jm)", ("mu", "Jm"), ("Jm",), gent),
+    "demiray": ClosedForm("mu/(2 b) (exp(b (I1 - 3)) - 1)", ("mu", "b"), ("b",), demiray),
+    "fung": ClosedForm(
+        "c/2 (exp(a_v Evv^2 + a_w Eww^2 + 2 a_vw Evv Eww + 4 a_s Evw^2) - 1)",
+        ("c", "a_v", "a_w", "a_vw", "a_s", "fibre_angle"),
+        ("a_v", "a_w", "a_vw", "a_s", "fibre_angle"),
+        fung,
+    ),
 }
 #: Values that keep an energy finite where a material point belongs to another model.
-NEUTRAL = {"k2": 1.0, "K": 1.0}
+NEUTRAL = {"k2": 1.0, "K": 1.0, "alpha": 2.0, "Jm": 1e6, "b": 1.0}
 
 
 def energy_density(

@@ -24,4 +24,17 @@ PARAMETERS = {
         "fibre_angle": (-360.0, 360.0),
     },
     "compressible_neo_hookean": {"mu": _MODULUS, "K": _MODULUS},
+    "ogden": {"mu": _MODULUS, "alpha": (-20.0, 20.0)},
+    "gent": {"mu": _MODULUS, "Jm": (1e-3, 1e6)},
+    "demiray": {"mu": _MODULUS, "b": (1e-6, 1e3)},
+    "fung": {
+        "c": _MODULUS,
+        "a_v": (0.0, 1e3),
+        "a_w": (0.0, 1e3),
+        "a_vw": (0.0, 1e3),
+        "a_s": (0.0, 1e3),
+        "fibre_angle": (-360.0, 360.0),
+    },
 }
+#: Parameters that energies divide by.
+NONZERO = ("alpha",)

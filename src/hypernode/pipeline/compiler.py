@@ -11,7 +11,9 @@ from hypernode.storage.environment import instruction_set
 #: training.
 QUICK_KERNELS = "--xla_cpu_use_fusion_emitters=false"
 #: Rules whose jobs solve for a whole sheet at once; training and all that only evaluates compute in single precision.
-DOUBLE_PRECISION = frozenset({"forward", "constrained", "baseline", "validation", "references", "population_batch"})
+DOUBLE_PRECISION = frozenset(
+    {"forward", "constrained", "polish", "baseline", "validation", "references", "population_batch"}
+)
 
 
 def rule_settings(rule: str) -> dict[str, str]:

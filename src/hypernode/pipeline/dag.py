@@ -37,7 +37,7 @@ def _missing_engine(engine: str) -> str | None:
 
 
 #: Stage -> the parts of a method that it uses, in the order in which the stages follow one another. The first part
-#: of the list, to ``pretrained``, is a chain; ``material`` and ``baseline`` are its two ends.
+#: of the list, to ``pretrained``, is a chain; ``polished``, ``material`` and ``baseline`` are its ends.
 STAGE_SETTINGS = {
     "constrained": ("constrained",),
     "gradient": ("gradient",),
@@ -45,6 +45,7 @@ STAGE_SETTINGS = {
     "homogenised": ("node", "homogenised", "seed"),
     "initialised": ("hypernetwork", "initialisation", "seed"),
     "pretrained": ("hypernetwork", "pretraining", "prior_weight", "seed"),
+    "polished": ("hypernetwork", "constrained", "polish", "seed"),
     "material": ("hypernetwork", "training", "prior_weight", "seed"),
     "baseline": ("baseline", "seed"),
 }
@@ -77,6 +78,8 @@ def stage_file(config: Config, case: str, method: str, stage: str) -> str:
 def only_pretrained(config: Config, method: str) -> bool:
     """Whether the hyper-network that pre-training leaves is the method's result."""
     settings = config.methods[method]
+    if settings.polish:
+        return False
     return bool(settings.pretraining and settings.pretraining.iterations and not settings.training.iterations)
 
 
@@ -115,6 +118,8 @@ def run_benchmarks(config: Config, case: str, method: str) -> list[str]:
     rules["material"] = "training"
     if settings.baseline:
         rules["material"] = "baseline"
+    elif settings.polish:
+        rules["material"] = "polish"
     elif only_pretrained(config, method):
         rules["material"] = "pretraining"
     if config.cases[case].specimen:

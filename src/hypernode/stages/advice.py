@@ -8,9 +8,9 @@ import numpy as np
 from hypernode.advice.candidates import LARGER, candidates
 from hypernode.advice.further_test import PROBES, Advice, AdviceError, advise
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import displacement_noise, with_independent_errors
-from hypernode.identification.problem import FieldProblem, problem_of_basis
+from hypernode.identification.problem import FieldProblem
 from hypernode.material.basis_file import basis_field
+from hypernode.stages.as_identified import OtherUncertainty, problem_as_identified
 from hypernode.storage.netcdf import read
 from hypernode.storage.run_files import run_files
 from hypernode.storage.schema import without_truth
@@ -19,8 +19,6 @@ from hypernode.verdict import Level, Verdict
 #: Criteria whose failing says nothing against the equilibrium field: that much is open is why one asks, and what
 #: networks miss of the field is theirs.
 BESIDE_THE_FIELD = ("uncertainty", "networks")
-#: Relative difference of two uncertainties of displacements that are the same: rounding of a file.
-ROUNDING = 1e-6
 
 
 def run(folder: Path, larger: float = LARGER, count: int = PROBES) -> Advice:
@@ -75,15 +73,7 @@ def _believed(name: str, files) -> None:
 def _problem(name: str, measurement, field, settings: Constrained) -> tuple[FieldProblem, object]:
     """The problem whose answer a field is, and the measurement as the identification took it in the end."""
     basis, stored = basis_field(field)
-    subcells, sigma = round(stored.shape[1] ** 0.5), float(field.attrs["displacement_sigma"])
-    noisy = json.loads(field.attrs["noise_rules_displacements"])
-    for taken in (measurement, with_independent_errors(measurement)):
-        # Where noise rules, the error of finite elements is known from the grid.
-        floor = None if noisy else float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
-        problem = problem_of_basis(taken, settings, basis, subcells, floor=floor)
-        if abs(problem.sigma - sigma) <= ROUNDING * sigma:
-            return problem, taken
-    raise AdviceError(
-        f"{name}: the uncertainty of the displacements is another one than when the field was identified, "
-        f"{problem.sigma:.4g} and {sigma:.4g}: run it again"
-    )
+    try:
+        return problem_as_identified(measurement, field, settings, basis, round(stored.shape[1] ** 0.5))
+    except OtherUncertainty as error:
+        raise AdviceError(f"{name}: {error}") from None

@@ -22,11 +22,22 @@ def open_problem(method: Method, name: str, files: Mapping[str, str]) -> Inverse
 
 
 def save(
-    problem: InverseProblem, fit: Fit, title: str, files: Mapping[str, str], output: str, attributes: dict
+    problem: InverseProblem,
+    fit: Fit,
+    title: str,
+    files: Mapping[str, str],
+    output: str,
+    attributes: dict,
+    variables: Mapping | None = None,
+    measures: Mapping | None = None,
 ) -> None:
-    """Write a trained network with everything :func:`hypernode.load_material` needs."""
+    """Write a trained network with everything :func:`hypernode.load_material` needs.
+
+    Args:
+        variables, measures: further variables and attributes that the stage has of its own.
+    """
     mesh, F = problem.mesh, np.moveaxis(field_gradient(problem.inputs["field"]), (0, 1), (2, 3))
-    seen, measures = domain_content(Domain.of(F, problem.node.has_fibres))
+    seen, domain = domain_content(Domain.of(F, problem.node.has_fibres))
     write(
         output,
         {
@@ -37,11 +48,13 @@ def save(
             "loss": fit.losses,
             "loss_iteration": fit.iterations,
             **seen,
+            **(variables or {}),
         },
         f"{title} of {problem.name}",
         {
             **attributes,
-            **measures,
+            **domain,
+            **(measures or {}),
             "units": units_of(problem.inputs["measurement"]),
             "material_kind": "node",
             "node": json.dumps(problem.spec),

@@ -6,6 +6,9 @@ from hypernode.export.numpy_material.api import Law
 from hypernode.export.numpy_material.cells import nearest_cell
 from hypernode.export.numpy_material.mechanics import first_piola_kirchhoff, invariants, positive_part
 
+#: Squared relative difference of two principal stretches below which powers of them are summed by a series.
+EQUAL = 1e-5
+
 
 def neo_hookean(I, p):
     """Psi = mu/2 (I1 - 3), and its derivatives."""
@@ -53,7 +56,57 @@ def compressible_neo_hookean(I, p):
     return energy, {"I1": 0.5 * mu, "J": mu / J**3 - mu / J + K * t * (J * t - 1.0)}
 
 
-MODELS = {each.__name__: each for each in (neo_hookean, mooney_rivlin, yeoh, goh, hgo, compressible_neo_hookean)}
+def ogden(I, p):
+    """Psi = 2 mu/alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3) with l3 = 1/J, and its derivatives by tr C and J."""
+    alpha, J = p["alpha"], I["J"]
+    b, m = 0.5 * alpha, 0.5 * (I["I1"] - 1.0 / J**2)
+    # Near equal stretches, where x says nothing of its sign, by the first terms of the series.
+    square = np.maximum(1.0 - (J / m) ** 2, 0.0)
+    x = np.sqrt(np.maximum(square, EQUAL))
+    total, difference = (1.0 + x) ** b + (1.0 - x) ** b, ((1.0 + x) ** (b - 1.0) - (1.0 - x) ** (b - 1.0)) / x
+    series = 2.0 + b * (b - 1.0) * square * (1.0 + (b - 2.0) * (b - 3.0) * square / 12.0)
+    slopes = (b - 1.0) * (2.0 + (b - 2.0) * (b - 3.0) * square / 3.0)
+    total, difference = (np.where(square < EQUAL, *pair) for pair in ((series, total), (slopes, difference)))
+    # x^2 = 1 - (J/m)^2: by m it has the derivative 2 J^2/m^3, by J it has -2 J/m^2.
+    by_square = 0.5 * b * m**b * difference
+    by_trace = 0.5 * (b * m ** (b - 1.0) * total + by_square * 2.0 * J**2 / m**3)
+    by_J = -by_square * 2.0 * J / m**2 - alpha * J ** (-alpha - 1.0)
+    factor = 2.0 * p["mu"] / alpha**2
+    return factor * (m**b * total + J**-alpha - 3.0), {
+        "I1": factor * by_trace,
+        "J": factor * (by_J + 2.0 * by_trace / J**3),
+    }
+
+
+def gent(I, p):
+    """Psi = -mu Jm/2 ln(1 - (I1 - 3)/Jm), and its derivative."""
+    left = 1.0 - (I["I1"] - 3.0) / p["Jm"]
+    return -0.5 * p["mu"] * p["Jm"] * np.log(left), {"I1": 0.5 * p["mu"] / left}
+
+
+def demiray(I, p):
+    """Psi = mu/(2 b) (exp(b (I1 - 3)) - 1), and its derivative."""
+    grown = np.expm1(p["b"] * (I["I1"] - 3.0))
+    return 0.5 * p["mu"] / p["b"] * grown, {"I1": 0.5 * p["mu"] * (grown + 1.0)}
+
+
+def fung(I, p):
+    """Psi = c/2 (exp(Q) - 1), Q = a_v Evv^2 + a_w Eww^2 + 2 a_vw Evv Eww + 4 a_s Evw^2, and its derivatives."""
+    Evv, Eww = 0.5 * (I["I4v"] - 1.0), 0.5 * (I["I4w"] - 1.0)
+    shear = I["I4v"] * I["I4w"] - I["J"] ** 2
+    grown = np.expm1(p["a_v"] * Evv**2 + p["a_w"] * Eww**2 + 2.0 * p["a_vw"] * Evv * Eww + p["a_s"] * shear)
+    slope = 0.5 * p["c"] * (grown + 1.0)
+    return 0.5 * p["c"] * grown, {
+        "I4v": slope * (p["a_v"] * Evv + p["a_vw"] * Eww + p["a_s"] * I["I4w"]),
+        "I4w": slope * (p["a_w"] * Eww + p["a_vw"] * Evv + p["a_s"] * I["I4v"]),
+        "J": -2.0 * slope * p["a_s"] * I["J"],
+    }
+
+
+MODELS = {
+    each.__name__: each
+    for each in (neo_hookean, mooney_rivlin, yeoh, goh, hgo, compressible_neo_hookean, ogden, gent, demiray, fung)
+}
 
 
 def cell_parameters(data, spec, X):

@@ -1,0 +1,26 @@
+"""What finite elements ask of a law of stress whose parameters differ from point to point."""
+
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Array, Float
+
+
+class PointLaw(Protocol):
+    """A law of stress with a vector of parameters, the first of which is the logarithm of a factor on all of it."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters in their order."""
+
+    @property
+    def start(self) -> Float[np.ndarray, " parameter"]:
+        """Parameters of some plain material."""
+
+    def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
+        """First Piola-Kirchhoff stress P[i, J, ...] of a sheet in plane stress.
+
+        Args:
+            F: in-plane deformation gradient F[i, J, ...].
+            params: parameters, broadcastable to the batch shape.
+        """
