@@ -125,7 +125,7 @@ def add_schema(commands) -> None:
 
 def schema_files() -> int:
     """Print the page of what result files hold."""
-    from hypernode.storage.schema import page
+    from hypernode.storage.schema_page import page
 
     print(page(), end="")
     return 0
