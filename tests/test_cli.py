@@ -11,7 +11,7 @@ import pytest
 
 from hypernode import cli
 from hypernode.storage.netcdf import write
-from hypernode.storage.schema import page
+from hypernode.storage.schema_page import page
 from hypernode.tables.verdicts import tally
 
 ROOT = Path(__file__).resolve().parents[1]

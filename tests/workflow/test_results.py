@@ -13,7 +13,8 @@ import yaml
 import hypernode
 from hypernode.storage.audit import verify
 from hypernode.storage.lineage import lineage
-from hypernode.storage.schema import DIMS, VARIABLES, page
+from hypernode.storage.schema import DIMS, VARIABLES
+from hypernode.storage.schema_page import page
 from tests.workflow.running import ROOT, declared, snakemake, summary_of
 
 
