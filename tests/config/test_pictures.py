@@ -32,6 +32,8 @@ BROKEN = [
     ({"pictures": {"pixels": 2000}}, "reach = 64: a corner of the sheet moves by 100 pixels: set reach to 100 or more"),
     ({"pictures": {"speckles": {}}}, "pictures.speckles: unknown key; did you mean 'speckle'"),
     ({"pictures": {}, "correlation": {"engine": "pyvalle"}}, "did you mean 'pyvale'"),
+    ({"pictures": {}, "correlation": {"engine": "finite_elements", "step": 9}}, "step = 9 must be even"),
+    ({"pictures": {}, "correlation": {"engine": "finite_elements", "shape": "quadratic"}}, "leave out incremental and"),
 ]
 
 
@@ -89,6 +91,14 @@ def test_a_case_whose_engine_is_absent_is_left_out_with_the_way_to_it(monkeypatc
     assert present == [] and len(absent) == 1
     assert absent[0].startswith("Leaving out a: the correlation engine pyvale is not installed")
     assert "make pyvale-env" in absent[0]
+
+
+def test_finite_elements_need_no_engine_and_reach_nearly_to_the_edge(monkeypatch, tmp_path):
+    monkeypatch.setenv("HYPERNODE_PYVALE", str(tmp_path / "python"))
+    config = photographed({"pictures": {"pixels": 500}, "correlation": {"engine": "finite_elements"}})
+    assert present_cases(config) == (["a"], [])
+    # All but three pixels at each side, in elements of eight.
+    assert case_size(config, "a").cells == 61**2
 
 
 def test_a_figure_of_pictures_needs_a_case_that_takes_some():

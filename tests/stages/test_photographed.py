@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hypernode.config.loading import check_config
+from hypernode.data.information import information_of
 from hypernode.data.measurement import mesh_of
 from hypernode.dic.errors import DicError
 from hypernode.fem.interpolation import NodalField
@@ -194,3 +195,29 @@ def test_an_engine_follows_the_points_of_the_pictures(tmp_path):
     found = read(tmp_path / "m.nc")
     error = (found["u_measured"].values[0] - found["u_truth"].values) / 0.01
     assert np.sqrt(np.nanmean(error**2)) < 0.05 and np.isfinite(error).mean() > 0.95
+
+
+def test_finite_elements_leave_what_grey_levels_say_where_the_sheet_is(tmp_path):
+    forward = forward_file(tmp_path)
+    taken = pictures(tmp_path, forward)
+    camera = RAW["cases"]["s"]["camera"] | {"correlation": {"engine": "finite_elements", "step": 8}}
+    config = check_config({**RAW, "cases": {"s": {**RAW["cases"]["s"], "camera": camera}}})
+    correlate.run(camera["correlation"], "s", str(taken), str(tmp_path / "correlated.nc"), 1, {})
+    photographed.run(config, "s", str(forward), str(tmp_path / "correlated.nc"), str(tmp_path / "m.nc"), {})
+    found = read(tmp_path / "m.nc")
+    mesh, error = mesh_of(found), found["u_measured"].values[0] - found["u_truth"].values
+    assert found.attrs["correlation_window"] == 0.0
+    # Nodes lie three pixels of 0.01 within the sheet, or further where a whole element no longer fits.
+    assert (mesh.lower >= 0.03).all() and (mesh.upper <= MESH.upper - 0.03).all()
+    assert (mesh.size > MESH.upper - 0.06 - 0.08).all()
+    np.testing.assert_allclose(np.sqrt(np.nanmean(error**2, axis=1)), found["noise_scatter"].values, rtol=0.35)
+    assert (found["noise_level"].values < found["noise_scatter"].values).all()
+    information = information_of(found)
+    lower, upper = information.mesh.nodes.min(axis=0), information.mesh.nodes.max(axis=0)
+    np.testing.assert_allclose(np.stack([lower, upper]), np.stack([mesh.lower, mesh.upper]))
+    assert len(information.mesh.cells) == 4 * len(mesh.cells)
+    middle = displacement(np.array([[0.6, 0.5]]), STRETCHES[-1])
+    truth = displacement(information.mesh.nodes, STRETCHES[-1]) - middle
+    root, most_likely, _ = information.root(1, np.ones(len(information.mesh.cells), bool))
+    left = root @ truth.ravel() - most_likely
+    assert np.mean(left**2) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / len(left)) + 0.1)

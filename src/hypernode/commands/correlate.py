@@ -24,7 +24,7 @@ def add_correlate(commands) -> None:
     parser.add_argument("--force-cycle", metavar="NAME", help="cycle of a record of several")
     parser.add_argument("--threads", type=int, default=1, metavar="N", help="of the processor (1)")
     default = Correlation()
-    parser.add_argument("--engine", default=default.engine, help="pyvale or al_dic (pyvale)")
+    parser.add_argument("--engine", default=default.engine, help="pyvale, al_dic or finite_elements (pyvale)")
     parser.add_argument("--subset", type=int, default=default.subset, metavar="PIXELS", help=f"odd ({default.subset})")
     parser.add_argument(
         "--step", type=int, default=default.step, metavar="PIXELS", help=f"of the grid ({default.step})"

@@ -83,12 +83,12 @@ class Case(Sheet):
 
 def _refuse_few_points(camera: Camera, size: tuple[float, float]) -> None:
     settings, pixel = camera.correlated, camera.pixel_size(size)
-    smallest = settings.subset + (FEWEST_POINTS - 1) * settings.step
+    smallest = settings.footprint + (FEWEST_POINTS - 1) * settings.step
     if min(size) / pixel < smallest:
         raise ValueError(
             f"pictures of {min(size) / pixel:.0f} pixels across the sheet hold less than {FEWEST_POINTS} correlated "
-            f"points of subset {settings.subset} and step {settings.step}: take more pixels, {smallest} at least, or a "
-            "smaller subset or step"
+            f"points of subset {settings.footprint} and step {settings.step}: take more pixels, {smallest} at least, "
+            "or a smaller subset or step"
         )
 
 

@@ -122,7 +122,7 @@ class Camera(Section):
     """Pictures of the sheet, in the place of `cells` and `window`: the noise of displacements is that of correlating
     them, and the measured grid is that of the correlated points."""
     correlation: Correlation | None = None
-    """How pictures are correlated; left out, as the defaults say."""
+    """How pictures are correlated, or that they are not; left out, as the defaults say."""
 
     @model_validator(mode="after")
     def _one_way(self):
@@ -148,5 +148,5 @@ class Camera(Section):
         if self.cells:
             return self.cells[0] * self.cells[1]
         settings, pixel = self.correlated, self.pixel_size(size)
-        columns, rows = (int(max(side / pixel - settings.subset, 0.0) / settings.step) for side in size)
+        columns, rows = (int(max(side / pixel - settings.footprint, 0.0) / settings.step) for side in size)
         return columns * rows

@@ -104,7 +104,7 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
 def _places(summary, settings: Settings) -> Criterion:
     name = "places"
     if "unexplained_share" not in summary:
-        return _not_judged(name, "No noise rules the displacements, so that none says where they are explained.")
+        return _not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
     words = (
         f"Displacements are missed by more than chance, up to {summary['largest_local_misfit']:.2f} times as much, in"
     )

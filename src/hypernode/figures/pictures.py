@@ -18,7 +18,7 @@ from hypernode.figures.style import (
 )
 from hypernode.storage.netcdf import units_of
 
-#: Side of the close view over that of a subset.
+#: Side of the close view over that of a subset or an element.
 _CLOSE = 4.0
 #: Share of values beyond the ends of a colour scale: some points at interfaces and edges would leave it to themselves.
 _ENDS = (1.0, 99.0)
@@ -36,7 +36,10 @@ def draw(data, settings: dict):
     step = settings["step"] % steps
     figure, axes = plt.subplots(2, 3, figsize=(7.2, 4.2), layout="constrained")
     _reference(axes[0, 0], pictures, correlated, measurement, step)
-    _subset(axes[0, 1], pictures, int(correlated.attrs["subset"]))
+    if "grey_X" in correlated:
+        _square(axes[0, 1], pictures, int(correlated.attrs["correlation_step"]), "an element")
+    else:
+        _square(axes[0, 1], pictures, int(correlated.attrs["subset"]), "a subset")
     stretch = float(measurement["stretch"].values[step])
     _picture(axes[0, 2], pictures, step + 1)
     axes[0, 2].set_title(f"(c) at a stretch of {stretch:.4g}", loc="left")
@@ -76,16 +79,16 @@ def _reference(axes, pictures, correlated, measurement, step: int) -> None:
     axes.set_title(f"(a) {used.sum()} points, {lost.sum()} lost", loc="left")
 
 
-def _subset(axes, pictures, subset: int) -> None:
-    """A close view of the middle of the sheet at rest with one subset."""
+def _square(axes, pictures, side: int, what: str) -> None:
+    """A close view of the middle of the sheet at rest with one subset or finite element."""
     row, column = (places.mean().round() for places in np.nonzero(pictures["on_sheet"].values))
     _picture(axes, pictures, 0)
-    half = 0.5 * _CLOSE * subset
+    half = 0.5 * _CLOSE * side
     axes.set_xlim(column - half, column + half)
     axes.set_ylim(row + half, row - half)
-    corner = (column - 0.5 * subset, row - 0.5 * subset)
-    axes.add_patch(Rectangle(corner, subset, subset, fill=False, edgecolor=INCLUSION, linewidth=1.2))
-    axes.set_title(f"(b) a subset of {subset} pixels", loc="left")
+    corner = (column - 0.5 * side, row - 0.5 * side)
+    axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=INCLUSION, linewidth=1.2))
+    axes.set_title(f"(b) {what} of {side} pixels", loc="left")
 
 
 def _correlation(figure, axes, correlated, step: int) -> None:

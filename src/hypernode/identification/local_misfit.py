@@ -41,13 +41,13 @@ def around_cells(mesh: Mesh) -> scipy.sparse.csr_matrix:
 
 
 def local_misfit(found: Estimate) -> LocalMisfit | None:
-    """Misfit of the displacements around every measured cell; None where no noise rules them.
+    """Misfit of the displacements around every measured cell; None where no noise rules them, or none were observed.
 
     Errors that points or steps share are fewer independent ones, by the square of the scatter.
     """
     problem = found.problem
     observations, strategy = problem.observations, problem.strategy
-    if not problem.noisy:
+    if not (problem.noisy and observations.by_points):
         return None
     residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
     node = np.concatenate([boundary.observed for boundary in observations.boundaries]) // 2

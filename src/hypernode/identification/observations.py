@@ -7,6 +7,7 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
+from hypernode.data.information import Information, information_of
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
 from hypernode.data.measurement import (
@@ -22,8 +23,9 @@ from hypernode.data.measurement import (
     scatter_of_steps,
 )
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.fem.mesh import Mesh
+from hypernode.fem.mesh import EDGES, Mesh
 from hypernode.fem.refinement import Refinement, refine
+from hypernode.fem.transfer import transfer
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
 
@@ -40,9 +42,11 @@ class Boundary:
         values: their displacement (node, 2).
         errors: errors of these values (degree of freedom, independent standard normal number); none but edges have any.
         prescribed, free: their degrees of freedom, and all others.
-        observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points.
+        observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
+            without points between, those of the mesh that carries their information.
         observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
-            what it saw of them, both over the noise of that step and component relative to that of all.
+            what it saw of them, both over the noise of that step and component relative to that of all. Of pictures
+            as independent numbers, as many as are observed.
     """
 
     mask: np.ndarray
@@ -69,6 +73,7 @@ class Observations:
         noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
         contested: whether it rules though it is the smaller of the two.
         noise_uncertainty: relative uncertainty of that noise.
+        by_points: whether displacements of points were observed, and not grey levels of pictures.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
         window: side of the camera's correlation window, 0 without one.
@@ -87,6 +92,7 @@ class Observations:
     noisy: bool
     contested: bool
     noise_uncertainty: float
+    by_points: bool
     own_grid: bool
     window: float
     cut: bool
@@ -123,14 +129,14 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     noise = displacement_noise(measurement)
     window, kernel = correlation_window(measurement)
     own_grid = is_on_its_own_grid(measurement)
-    # Of undivided cells that interfaces cut the error is known to a factor alone.
-    rules = strategy.noise_rules if floor is None and subcells == 1 and not own_grid else 1.0
+    information = information_of(measurement)
+    # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
+    in_doubt = floor is None and subcells == 1 and not own_grid and information is None
+    rules = strategy.noise_rules if in_doubt else 1.0
     if floor is None:
         floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     cut = is_cut_out(measurement)
-    prescribed = measurement["edge_constrained"].values > 0
-    if cut:
-        prescribed = np.ones_like(prescribed)
+    prescribed = (measurement["edge_constrained"].values > 0) | cut
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
     seen = window_average(refinement.mesh, window, kernel)[at_points.ravel()]
     levels = noise_of_steps(measurement)
@@ -140,12 +146,14 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     sigma = float(np.hypot(noise, beside))
     believed = np.hypot(levels, beside)
     relative = believed / sigma
-    scatter = float(np.sqrt(np.mean((np.hypot(scatter_of_steps(measurement), beside) / believed) ** 2)))
-    each = zip(measured, prescribed, levels, relative, strict=True)
+    spread = scatter_of_steps(measurement)
+    # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
+    each = zip(measured, prescribed, levels if information is None else spread, relative, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
-    stretch = float(measurement["stretch"].values.max())
-    thickness = np.empty(len(refinement.mesh.cells))
-    thickness[refinement.subcells] = relative_thickness(measurement)[:, None]
+    scatter = float(np.sqrt(np.mean((np.hypot(spread, beside) / believed) ** 2)))
+    if information is not None:
+        scatter = 1.0
+        boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
     return Observations(
         grid,
         refinement,
@@ -156,13 +164,48 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         noisy,
         noisy and noise < floor,
         noise_uncertainty(measurement),
+        information is None,
         own_grid,
         window,
         cut,
-        stretch,
-        thickness,
+        float(measurement["stretch"].values.max()),
+        _thickness_of_subcells(refinement, relative_thickness(measurement)),
         tuple(boundaries),
     )
+
+
+def _thickness_of_subcells(refinement: Refinement, thickness: Float[np.ndarray, " cell"]):
+    """That of the cell of each (subcell,)."""
+    each = np.empty(len(refinement.mesh.cells))
+    each[refinement.subcells] = thickness[:, None]
+    return each
+
+
+def _by_grey_levels(
+    boundaries: list[Boundary],
+    grid: Mesh,
+    refinement: Refinement,
+    prescribed: Float[np.ndarray, "step edge 2"],
+    information: Information,
+    unit: float,
+) -> list[Boundary]:
+    """The same where pictures are observed, and no points.
+
+    Elements at edges that prescribe the displacement are left out: they have told it already.
+
+    Args:
+        prescribed: which components of which edges are.
+        unit: the displacement that counts as one, which the information weighs by itself.
+    """
+    onto, of_grid = (transfer(mesh, information.mesh).nodes for mesh in (refinement.mesh, grid))
+    onto = scipy.sparse.kron(onto, scipy.sparse.identity(2), format="csr")
+    changed = []
+    for step, boundary in enumerate(boundaries):
+        on = [grid.on_edge(edge) for edge, held in zip(EDGES, prescribed[step], strict=True) if held.any()]
+        told = of_grid @ np.any([np.zeros(len(grid.nodes), bool), *on], axis=0) > ROUNDING
+        root, seen, observed = information.root(step, ~told[information.mesh.cells].any(axis=1))
+        changed.append(replace(boundary, observed=observed, observe=unit * (root @ onto), seen=unit * seen))
+    return changed
 
 
 def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:

@@ -1,4 +1,4 @@
-"""Points followed through pictures by an engine for digital image correlation, in an environment of its own."""
+"""Points followed through pictures: by an engine for correlation in its own environment, or as nodes of a mesh."""
 
 import json
 import os
@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float, Int, UInt
 from hypernode.config.correlation import Correlation
 from hypernode.installation import repository
 from hypernode.pictures.errors import EngineMissing, PictureError
+from hypernode.pictures.finite_elements import Seen, seen_by_elements
 
 #: Engine -> (variable of the environment that names its Python, folder that the Makefile makes, its target).
 PYTHONS = {
@@ -52,6 +53,18 @@ class Correlated:
                 "correlation": (("frame", "pixel_point"), self.correlation),
             },
             attrs={"correlation_step": self.step},
+        )
+
+    @classmethod
+    def of_nodes(cls, seen: Seen, step: int) -> "Correlated":
+        """The nodes of finite elements as points."""
+        column, row = np.round(seen.mesh.nodes).astype(int).T
+        return cls(
+            column,
+            row,
+            np.concatenate([np.zeros((1, *seen.u.shape[1:])), seen.u]),
+            np.concatenate([np.ones((1, len(column))), seen.correlation]),
+            step,
         )
 
     @classmethod
@@ -98,8 +111,11 @@ def correlate(
         EngineMissing: the engine's environment is not there.
         PictureError: pictures and mask do not fit, or the engine gave up.
     """
+    if settings.engine == "finite_elements":
+        check(pictures, mask, settings)
+        return Correlated.of_nodes(seen_by_elements(pictures, mask, settings.step), settings.step)
     python = python_of(settings.engine)
-    _check(pictures, mask, settings)
+    check(pictures, mask, settings)
     asked = settings.model_dump(mode="json") | {"threads": threads}
     with tempfile.TemporaryDirectory(prefix="hypernode-") as name:
         folder = Path(name)
@@ -124,7 +140,12 @@ def correlate(
     )
 
 
-def _check(pictures, mask, settings: Correlation) -> None:
+def check(pictures, mask, settings: Correlation) -> None:
+    """Refuse pictures and a mask that do not fit.
+
+    Raises:
+        PictureError: with what is wrong.
+    """
     if pictures.ndim != 3 or len(pictures) < 2 or pictures.dtype not in (np.uint8, np.uint16):
         raise PictureError(
             f"pictures must be two or more of one size with grey values of 8 or 16 bit, not {pictures.dtype} "
@@ -133,7 +154,7 @@ def _check(pictures, mask, settings: Correlation) -> None:
     if mask.shape != pictures.shape[1:]:
         raise PictureError(f"the mask has {mask.shape} rows and columns, the pictures have {pictures.shape[1:]}")
     least = min(mask.shape)
-    if settings.reach * 2 >= least:
+    if settings.engine in PYTHONS and settings.reach * 2 >= least:
         raise PictureError(
             f"reach = {settings.reach} pixels must be less than half of the pictures' shorter side, {least} pixels"
         )

@@ -27,8 +27,10 @@ def present_cases(config: Config) -> tuple[list[str], list[str]]:
 def _missing_engine(engine: str) -> str | None:
     """What is missing where the pictures of a case cannot be correlated."""
     # Configurations without pictures need not wait for the packages that read them.
-    from hypernode.pictures.correlation import EngineMissing, python_of
+    from hypernode.pictures.correlation import PYTHONS, EngineMissing, python_of
 
+    if engine not in PYTHONS:
+        return None
     try:
         python_of(engine)
     except EngineMissing as error:

@@ -12,6 +12,7 @@ from hypernode.config.model import Config
 from hypernode.config.specimen_tests import SpecimenLoad
 from hypernode.config.specimens import Specimen
 from hypernode.config.synthetic import Noise
+from hypernode.data.information import NAMES
 from hypernode.data.measurement import mesh_of
 from hypernode.dic.correlated import series_of, whole_subsets
 from hypernode.dic.load_case import LoadCase, load_case_of
@@ -41,15 +42,14 @@ def run(config: Config, name: str, forward_file: str, correlated_file: str, outp
     forward, correlated, case = read(forward_file), read(correlated_file), config.cases[name]
     noise = config.noise[case.noise] if case.noise else Noise()
     settings, pixel = case.camera.correlated, float(correlated.attrs["mm_per_pixel"])
-    series, corner = _series(correlated, Path(correlated_file), forward, settings.subset * pixel)
+    series, corner = _series(correlated, Path(correlated_file), forward, settings.footprint * pixel)
     side, kernel = window_of(settings)
     specimen = _specimen(name, forward, noise, side * pixel, kernel)
     loads = [config.loads[key].kind for key in case.loads]
     sheet = specimen_of(specimen, _load_cases(specimen, loads, series, forward, noise))
     variables = variables_of(sheet, corner)
-    # What subsets that overlap share is not seen between neighbours, and is not below what grey noise alone makes.
-    floor = np.array(json.loads(correlated.attrs["least_noise"])) * pixel
-    variables |= {key: np.maximum(variables[key], floor) for key in ("noise_scatter", "noise_level")}
+    variables |= _noise(correlated, variables, pixel)
+    variables |= {key: correlated[key].values for key in NAMES if key in correlated}
     variables |= {key: forward[key].values for key in ("load_case", "stretch")} | _truth(forward, sheet, corner)
     write(
         output,
@@ -63,6 +63,18 @@ def run(config: Config, name: str, forward_file: str, correlated_file: str, outp
         },
         parents=[forward_file, correlated_file],
     )
+
+
+def _noise(correlated: xr.Dataset, found: dict[str, np.ndarray], pixel: float) -> dict[str, np.ndarray]:
+    """What is said of the noise, where points have told ``found``.
+
+    What subsets that overlap share is not seen between neighbours, and is not below what grey noise alone makes. Finite
+    elements know their own.
+    """
+    said = {key: np.array(json.loads(correlated.attrs[key])) * pixel for key in correlated.attrs if "_noise" in key}
+    if "least_noise" in said:
+        return {key: np.maximum(found[key], said["least_noise"]) for key in ("noise_scatter", "noise_level")}
+    return {f"noise_{key}": said[f"{key}_noise"] for key in ("scatter", "level")}
 
 
 def _series(correlated: xr.Dataset, path: Path, forward: xr.Dataset, subset: float):

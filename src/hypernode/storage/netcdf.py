@@ -74,7 +74,8 @@ def write(
             entry = VARIABLES.get(name)
             if entry is None:
                 raise StorageError(f"{path}: variable '{name}' is not in the storage schema")
-            described = {"units": units.get(entry.unit, entry.unit), "long_name": entry.long_name}
+            word, power, exponent = entry.unit.partition("^")
+            described = {"units": units.get(word, word) + power + exponent, "long_name": entry.long_name}
             data[name] = (entry.dims, np.asarray(value), described)
     dataset = xr.Dataset(data)
     dataset.attrs = {

@@ -19,6 +19,10 @@ DIMS = {
     "column": "a column of pixels, from the left",
     "disc": "one dark disc of the speckle",
     "pixel_point": "a point of the reference picture that is followed through the others",
+    "grey_node": "a node of the elements on which grey levels are compared",
+    "grey_cell": "one of these elements",
+    "element_dof": "displacement of a vertex of an element, x then y, vertex by vertex",
+    "other_dof": "the same",
     "component": "along columns, to the right, then along rows, downward",
     "record_sample": "one of equal times of the force record",
     "node": "a grid point where displacement is measured or computed",
@@ -46,8 +50,8 @@ DIMS = {
 class Variable:
     """How a stored variable is described.
 
-    ``unit`` is a literal unit, or one of the words ``length``, ``stress``, ``force`` and ``energy``,
-    which each file replaces by its own (synthetic tests: 1, Pa; experiments: mm, MPa, N).
+    ``unit`` is a literal unit, or one of the words ``length``, ``stress``, ``force`` and ``energy``, or a power of it
+    as ``length^-2``, which each file replaces by its own (synthetic tests: 1, Pa; experiments: mm, MPa, N).
     """
 
     dims: tuple[str, ...]
@@ -98,6 +102,18 @@ VARIABLES = {
     ),
     "correlation": Variable(
         ("frame", "pixel_point"), "1", "zero-normalised cross-correlation of the compared subsets, 1 at best"
+    ),
+    "grey_X": Variable(("grey_node", "i"), "length", "nodes of the elements on which grey levels are compared"),
+    "grey_cells": Variable(("grey_cell", "vertex"), "1", "node numbers of each of these elements"),
+    "grey_u": Variable(("load_step", "grey_node", "i"), "length", "displacement at which grey levels are linearised"),
+    "grey_information": Variable(
+        ("load_step", "grey_cell", "element_dof", "other_dof"),
+        "length^-2",
+        "second derivative, by the displacement of an element's nodes, of half of the squared differences of grey "
+        "levels over their variance",
+    ),
+    "grey_pull": Variable(
+        ("load_step", "grey_cell", "element_dof"), "length^-1", "minus the first derivative of the same, at grey_u"
     ),
     # fields
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
