@@ -89,9 +89,8 @@ def test_a_network_that_explains_its_test_to_the_noise_is_left_as_it_is():
 def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_agree():
     """Used data are then missed by little but noise, and held-out ones by less than half of what they were."""
     problem, field = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3, moved=MOVED)
-    found = polish(
-        problem, field, CONSTRAINED, Polish(iterations=20, deviation=0.5), list(problem.observations.u), "sheet"
-    )
+    settings = Polish(iterations=20, deviation=0.5)
+    found = polish(problem, field, CONSTRAINED, settings, list(problem.observations.u), "sheet")
     used, held = found.misfits["used"], found.misfits["held_out"]
     assert found.kept and not np.array_equal(found.weights, field.start)
     assert used["before"]["force"] > 10.0 and used["after"]["force"] < 2.5

@@ -161,9 +161,7 @@ VARIABLES = {
         "1",
         "range of each measure of deformation over the test; beyond it the material is extrapolated",
     ),
-    "held_out": Variable(
-        ("load_step",), "1", "1 for load steps by which a polished network was judged and not trained"
-    ),
+    "held_out": Variable(("load_step",), "1", "1 for steps that judge a polished network, which did not see them"),
     # evaluation; the measured deformation is the differentiated mean of the repeats, the identified one the field that
     # the method uses: its equilibrium field, its interpolant, or what the gradient stage made of the measurement
     "mode_F": Variable(("mode", "stretch_index", "i", "J"), "1", "prescribed common deformation gradient"),
