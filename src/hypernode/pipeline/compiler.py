@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import os
+import sys
 from pathlib import Path
 
 from hypernode.storage.environment import instruction_set
@@ -36,7 +37,7 @@ def compiler_settings(float64: bool) -> dict[str, str]:
 def set_up_compiler(float64: bool) -> None:
     """Compile quickly, and keep what is compiled between jobs, outside results/ and safe to delete at any time.
 
-    Call it before JAX is imported, which many jobs never do.
+    Call it before JAX computes anything; a job that never does need not import it.
 
     Args:
         float64: whether JAX computes in double precision.
@@ -47,10 +48,25 @@ def set_up_compiler(float64: bool) -> None:
     # With that, XLA's complaint on every load from the cache is false: it takes what LLVM prefers to avoid for
     # instructions that the processor lacks (openxla/xla 44565). What does stop a job is an exception in any case.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    os.environ |= {
+    settings = {
         **compiler_settings(float64),
         "JAX_COMPILATION_CACHE_DIR": str(folder.resolve()),
         # Most of a job's compilation is a hundred small functions; kept, they cost a few milliseconds each.
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
         "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
     }
+    os.environ |= settings
+    if "jax" in sys.modules:
+        _set_up_imported(settings)
+
+
+def _set_up_imported(settings: dict[str, str]) -> None:
+    """The same for a JAX that has been imported, and has read the environment of its time."""
+    import jax
+
+    for variable, value in settings.items():
+        name = variable.lower()
+        if name.startswith("jax_"):
+            kind = type(getattr(jax.config, name))
+            numbers = {bool: lambda text: bool(int(text)), int: int, float: float}
+            jax.config.update(name, numbers.get(kind, str)(value))
