@@ -1,8 +1,9 @@
 """Jobs begin as copies of one process that has imported what they need (docs/decisions/0054).
 
 An interpreter, JAX and the modules of a stage take more than a second, the same for every job. So a run starts one
-process that imports all of it and forks for each job. A copy has the environment and the folder of its job, is measured
-as the job, and ends as it ends. The process that is copied computes nothing, so that nothing of one job reaches another.
+process that imports all of it and forks for each job. A copy has the environment and the folder of its job, is
+measured as the job, and ends as it ends. The process that is copied computes nothing, so that nothing of one job
+reaches another.
 """
 
 import atexit
