@@ -30,10 +30,9 @@ def script(folder, text, name="job.py"):
     return str(folder / name)
 
 
-def test_a_copy_ends_with_the_status_of_its_script(capfd, server, tmp_path):
+def test_a_copy_ends_with_the_status_of_its_script(server, tmp_path):
     for text, wanted in (("", 0), ("raise SystemExit(3)", 3), ("1 / 0", 1), ("import os; os.kill(os.getpid(), 9)", -9)):
         assert server.run(script(tmp_path, text), VARIABLES) == wanted
-    assert "ZeroDivisionError" in capfd.readouterr().err
 
 
 def test_a_copy_has_the_modules_the_environment_and_the_folder_of_its_job_and_nothing_of_the_one_before(
@@ -149,7 +148,7 @@ rule job:
 SCRIPT = """
 import os, sys, time
 if os.path.exists("fail"):
-    sys.exit("refused")
+    raise RuntimeError("refused")
 time.sleep(0.1)
 open(snakemake.output[0], "w").write("copy" if "hypernode.pipeline.job" in sys.modules else "own")
 """
@@ -180,5 +179,5 @@ def test_jobs_of_a_run_are_copies_where_there_are_enough_of_them_and_nobody_aske
 def test_a_copy_that_fails_fails_its_job(tmp_path):
     (tmp_path / "fail").touch()
     done = run(tmp_path, FEWEST_JOBS)
-    assert done.returncode == 1 and "refused" in done.stderr
+    assert done.returncode == 1 and "RuntimeError: refused" in done.stderr
     assert not list(tmp_path.glob("*.txt"))
