@@ -7,7 +7,6 @@ Usage: python benchmarks/cost_of_one.py '{"cells": 25, "steps": 4, "terms": 4, "
 """
 
 import json
-import os
 import resource
 import sys
 import tempfile
