@@ -21,6 +21,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import LogLocator, ScalarFormatter
 
 from hypernode.figures.style import INCLUSION, MATRIX, NEUTRAL, RC, SECOND, save
 from hypernode.storage.provenance import code_hash, describe
@@ -162,6 +163,10 @@ def draw(rows: list[dict], exponents: dict):
                     axes.loglog(x, [row[value] for row in others], "s--", color=INCLUSION, label=label)
                 axes.legend()
                 axes.set_xticks(x, map(str, x))
+                # Less than a decade has few powers of ten.
+                axes.set_ylim(axes.dataLim.y0 / 1.5, axes.dataLim.y1 * 1.5)
+                axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axes.yaxis.set_major_formatter(ScalarFormatter())
                 axes.minorticks_off()
             column[0].set_ylabel(f"{what}{' a sheet' if name == 'cores' else ''} [s]")
             column[1].set_ylabel("peak memory [MB]")
