@@ -5,7 +5,7 @@ DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws felupe engines pyvale-env al-dic-env smoke browser accuracy endurance cluster \
+.PHONY: all resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy endurance cluster \
     slurm wheel pythons docs doctest report bench next-test clean
 
 # On a cluster: make PROFILE=profiles/slurm
@@ -110,6 +110,15 @@ bench: $(VENV)/run
 	$(BIN)/python benchmarks/forward_size.py
 	$(BIN)/python benchmarks/import_frames.py
 	$(BIN)/python benchmarks/provenance.py
+
+# Time, memory and counted work of the constrained field against cells, steps, terms, sheets and cores: five minutes.
+# BENCH="--cells 25 50 100 200" for real grids, BENCH="--against COMMIT" beside another commit.
+cost: $(VENV)/run
+	$(BIN)/python benchmarks/cost.py $(BENCH)
+
+# Training and the forward problem on a device of CUDA against the CPU, after pip install -r requirements-gpu.txt.
+gpu: $(VENV)/run
+	$(BIN)/python benchmarks/on_gpu.py
 
 $(VENV)/run: requirements.txt constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(VENV)

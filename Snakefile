@@ -19,6 +19,7 @@ from hypernode.pipeline.dag import (
     run_files,
     stage_file,
 )
+from hypernode.pipeline.forking import fork_jobs
 from hypernode.pipeline.nodes import keep_compiled_by_machine, show_run_alive
 from hypernode.pipeline.populations import for_batch, planned_populations
 from hypernode.pipeline.resources import memory, runtime
@@ -141,6 +142,7 @@ include: "workflow/rules/crate.smk"
 
 onstart:
     lift_rate_limit(workflow)
+    fork_jobs(workflow, Path(workflow.basedir) / "workflow" / "scripts")
 
 
 onsuccess:

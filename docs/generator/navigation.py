@@ -13,7 +13,7 @@ NAVIGATION = {
             "how-to/export",
         ),
         *("how-to/photograph-a-sheet", "how-to/correlate-your-pictures", "how-to/resume-after-a-crash", "how-to/audit"),
-        *("how-to/clusters", "how-to/populations"),
+        *("how-to/clusters", "how-to/populations", "how-to/gpu"),
     ),
     "Reference": (
         *("../config/README", "reference/configuration", "reference/commands", "schema", "reference/interface"),

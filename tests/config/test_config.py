@@ -195,3 +195,10 @@ def test_an_anchor_that_holds_itself_is_refused(tmp_path):
     (tmp_path / "c.yaml").write_text("methods:\n  a: &a {extends: hypernode, node: &n {node: *n}}\n")
     with pytest.raises(ConfigError, match=r"c\.yaml: an anchor holds itself"):
         load_config(tmp_path / "c.yaml")
+
+
+def test_networks_train_on_the_cpu_unless_the_configuration_names_another_platform():
+    assert check_config(BASE).platform == "cpu"
+    assert check_config(BASE | {"platform": "cuda"}).platform == "cuda"
+    with pytest.raises(ConfigError, match="platform"):
+        check_config(BASE | {"platform": "gpu"})

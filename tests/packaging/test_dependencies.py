@@ -43,6 +43,14 @@ def test_every_pin_of_the_pipeline_is_a_version_that_the_package_allows():
     ]
 
 
+def test_the_plugin_for_a_gpu_is_of_the_version_of_jax():
+    text = (ROOT / "requirements-gpu.txt").read_text()
+    plugins = dict(re.findall(r"^(jax-cuda12-\w+)(?:\[[\w-]+\])?==(\S+)$", text, re.MULTILINE))
+    assert set(plugins) == {"jax-cuda12-plugin", "jax-cuda12-pjrt"}
+    assert set(plugins.values()) == {pins("requirements.txt")["jax"]} == {pins("requirements.txt")["jaxlib"]}
+    assert "-r requirements.txt" in text and "-c constraints.txt" in text
+
+
 def test_the_compiler_that_sums_wrongly_is_refused():
     assert "0.10.2" not in BASE["jax"] and "0.10.2" not in BASE["jaxlib"]
 

@@ -72,3 +72,27 @@ def test_processors_with_other_instructions_do_not_share_what_is_compiled(monkey
         monkeypatch.setattr(environment, "_cpuinfo", {"flags": instructions}.get)
         found.add(environment.instruction_set.__wrapped__())
     assert len(found) == 2
+
+
+def test_a_job_for_a_platform_that_is_not_here_ends_with_the_way_out(tmp_path):
+    code = """
+from types import SimpleNamespace
+from hypernode.pipeline.job import job
+class Params(dict):
+    code = "none"
+given = SimpleNamespace(
+    rule="training", params=Params(platform="cuda"), wildcards={"case": "X"}, threads=1, log=["training.log"]
+)
+with job(given):
+    print("begun")
+"""
+    variables = {key: value for key, value in os.environ.items() if key != "JAX_PLATFORMS"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=variables, capture_output=True, text=True, timeout=60
+    )
+    if done.returncode == 0:
+        pytest.skip("there is a device of CUDA here")
+    assert done.returncode == 1 and "begun" not in done.stdout
+    assert "error in training (case X): platform: cuda: JAX finds no such device here" in done.stderr
+    assert "pip install -r requirements-gpu.txt" in done.stderr and "platform: cpu" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -8,7 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from hypernode.pipeline.compiler import DOUBLE_PRECISION, QUICK_KERNELS, compiler_settings, rule_settings
+from hypernode.pipeline.compiler import (
+    DOUBLE_PRECISION,
+    ONE_ORDER,
+    QUICK_KERNELS,
+    TRAINING,
+    compiler_settings,
+    rule_settings,
+)
 from hypernode.storage.environment import NOT_COMPUTING, versions
 from hypernode.storage.provenance import modules_used
 
@@ -37,7 +44,21 @@ def test_rules_in_double_precision_are_rules_whose_finite_elements_need_it():
     """A name that no rule has would leave its jobs in single precision, which the solver refuses."""
     rules = set(re.findall(r"^rule (\w+):", "\n".join(p.read_text() for p in ROOT.glob("workflow/rules/*.smk")), re.M))
     assert rules >= DOUBLE_PRECISION
-    assert rule_settings("forward") == compiler_settings(True)
-    assert rule_settings("training") == rule_settings("only_pretraining") == compiler_settings(False)
+    assert rule_settings("forward", {}) == compiler_settings(True)
+    assert rule_settings("training", {}) == rule_settings("only_pretraining", {}) == compiler_settings(False)
     solving = {p.stem for p in ROOT.glob("workflow/scripts/*.py") if "fem/solver.py" in str(modules_used(p))}
     assert solving <= DOUBLE_PRECISION
+
+
+def test_what_trained_on_another_platform_is_compared_with_what_that_platform_would_set_now():
+    on_cuda = compiler_settings(False, "cuda")
+    assert on_cuda["JAX_PLATFORMS"] == "cuda" and on_cuda["XLA_FLAGS"].startswith(f"{QUICK_KERNELS} {ONE_ORDER}")
+    assert rule_settings("training", on_cuda) == on_cuda
+    assert rule_settings("forward", on_cuda) == compiler_settings(True)
+
+
+def test_the_rules_that_a_platform_is_for_are_told_it_and_no_others():
+    text = "\n".join(path.read_text() for path in ROOT.glob("workflow/rules/*.smk"))
+    rules = re.split(r"^(?:use )?rule (\w+)", text, flags=re.MULTILINE)[1:]
+    told = {name for name, body in zip(rules[::2], rules[1::2], strict=True) if "platform=CONFIG.platform" in body}
+    assert told | {"only_pretraining"} == TRAINING

@@ -64,6 +64,7 @@ rule interpolant:
         runtime=runtime(CONFIG, "interpolant"),
     params:
         code=CODE["interpolant"],
+        platform=CONFIG.platform,
         settings=lambda w: method_settings(CONFIG, w.method, "interpolant"),
     script:
         "../scripts/interpolant.py"

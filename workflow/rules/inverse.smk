@@ -17,6 +17,7 @@ rule homogenised:
         runtime=runtime(CONFIG, "homogenised"),
     params:
         code=CODE["homogenised"],
+        platform=CONFIG.platform,
         settings=lambda w: method_settings(CONFIG, w.method, "homogenised"),
     script:
         "../scripts/homogenised.py"
@@ -42,6 +43,7 @@ rule initialisation:
         runtime=runtime(CONFIG, "initialisation"),
     params:
         code=CODE["initialisation"],
+        platform=CONFIG.platform,
         settings=lambda w: method_settings(CONFIG, w.method, "initialised"),
     script:
         "../scripts/initialisation.py"
@@ -66,6 +68,7 @@ rule pretraining:
         runtime=runtime(CONFIG, "pretraining"),
     params:
         code=CODE["pretraining"],
+        platform=CONFIG.platform,
         settings=lambda w: method_settings(CONFIG, w.method, "pretrained"),
     script:
         "../scripts/pretraining.py"
@@ -123,6 +126,7 @@ rule training:
         runtime=runtime(CONFIG, "training"),
     params:
         code=CODE["training"],
+        platform=CONFIG.platform,
         settings=lambda w: method_settings(CONFIG, w.method, "material"),
     script:
         "../scripts/training.py"

@@ -1,6 +1,6 @@
 """The whole configuration: sections of named entries, and cases that combine them."""
 
-from typing import get_args
+from typing import Literal, get_args
 
 from pydantic import field_validator, model_validator
 
@@ -50,6 +50,9 @@ class Config(Section):
 
     explorers: list[ExploredRun] = []
     """Runs of which an ``explorer.html`` is written; left out, every run of a specimen."""
+    platform: Literal["cpu", "cuda"] = "cpu"
+    """What networks are trained on; all else is computed on the CPU. For ``cuda`` the environment needs
+    ``requirements-gpu.txt``, and the machine such a device."""
 
     @field_validator("explorers")
     @classmethod

@@ -11,7 +11,7 @@ import sys
 import traceback
 
 from hypernode.errors import ExpectedError
-from hypernode.pipeline.compiler import DOUBLE_PRECISION, set_up_compiler
+from hypernode.pipeline.compiler import DOUBLE_PRECISION, require_platform, set_up_compiler
 from hypernode.pipeline.cores import claimed_cores
 from hypernode.pipeline.liveness import shown_alive
 from hypernode.storage.provenance import describe
@@ -62,7 +62,8 @@ def job(snakemake):
         The attributes that the job's output file carries.
     """
     die_with_parent()
-    set_up_compiler(snakemake.rule in DOUBLE_PRECISION)
+    platform = snakemake.params.get("platform", "cpu")
+    set_up_compiler(snakemake.rule in DOUBLE_PRECISION, platform)
     # Open until the process ends: the traceback of an error that nobody expected goes there as well.
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
@@ -70,6 +71,7 @@ def job(snakemake):
     where = ", ".join(f"{key} {value}" for key, value in run.items())
     with claimed_cores(snakemake.threads), shown_alive(f"{snakemake.rule} ({where})"):
         try:
+            require_platform(platform)
             yield describe(snakemake.rule, run, params.get("settings", {}), params.code)
         except (ExpectedError, ValueError, OSError) as error:
             with contextlib.suppress(OSError):

@@ -1,10 +1,9 @@
 """Whether the results of a run are intact, of one kind, and all of them of the last run."""
 
 import os
-from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from hypernode.storage.consistency import foreign_flags, foreign_machines, foreign_versions
+from hypernode.storage.consistency import Now, foreign_flags, foreign_machines, foreign_versions
 from hypernode.storage.errors import StorageError
 from hypernode.storage.findings import Finding, refused
 from hypernode.storage.integrity import damages, orphans
@@ -12,12 +11,12 @@ from hypernode.storage.membership import strangers
 from hypernode.storage.records import read_record, result_files
 
 
-def verify(folder: Path, now: Callable[[str], Mapping[str, str] | None] = lambda rule: None) -> list[Finding]:
+def verify(folder: Path, now: Now = lambda rule, recorded: None) -> list[Finding]:
     """Rehash every file of a run and of its ancestry, and compare how they were made (docs/decisions/0027).
 
     Args:
         folder: the results folder, in the directory where the workflow ran.
-        now: takes a rule to the flags and precision that its job would set now; None where that is not known.
+        now: the flags and precision that a job of a rule would set now.
 
     Returns:
         Problems and notices; nothing where all is well.

@@ -28,22 +28,26 @@ def foreign_versions(records: Mapping[Path, dict]) -> list[Finding]:
     return found
 
 
-def foreign_flags(records: Mapping[Path, dict], now: Callable[[str], Mapping[str, str] | None]) -> list[Finding]:
+#: Takes a rule, and the flags that a job of it had, to what such a job would set now; None where that is not known.
+Now = Callable[[str, Mapping[str, str]], Mapping[str, str] | None]
+
+
+def foreign_flags(records: Mapping[Path, dict], now: Now) -> list[Finding]:
     """Files whose job had other flags of the compiler, or another precision, than other jobs of its rule.
 
     Args:
         records: the records of a folder.
-        now: takes a rule to what its job would set now; one of which it knows nothing is not compared with now.
+        now: what a job would set now; one of which that is not known is not compared with now.
     """
     found = []
     for rule in sorted({record["rule"] for record in records.values() if record.get("compiler")}):
         jobs = {path: r["compiler"] for path, r in records.items() if r["rule"] == rule and r.get("compiler")}
-        wanted_now = now(rule)
-        for variable in sorted(set().union(wanted_now or (), *jobs.values())):
+        wanted_now = {path: now(rule, settings) for path, settings in jobs.items()}
+        for variable in sorted(set().union(*(wanted or () for wanted in wanted_now.values()), *jobs.values())):
             values = {path: settings.get(variable, "") for path, settings in jobs.items()}
             usual = _most(values.values())
-            wanted = None if wanted_now is None else wanted_now.get(variable, "")
             for path, value in values.items():
+                wanted = None if wanted_now[path] is None else wanted_now[path].get(variable, "")
                 differs = [f"most other jobs of the rule {rule} with '{usual}'"] if value != usual else []
                 differs += [f"its rule would now set '{wanted}'"] if wanted not in (None, value) else []
                 if differs:
