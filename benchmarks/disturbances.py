@@ -39,9 +39,11 @@ def once(given) -> None:
 
     from hypernode.config.loading import load_config
     from hypernode.data.measurement import mesh_of
-    from hypernode.evaluation.probes import indicator
+    from hypernode.evaluation.probes import stress_at_common_F
     from hypernode.evaluation.scores import relative_error
+    from hypernode.evaluation.truth import observed_mode
     from hypernode.material.files import material_of
+    from hypernode.mechanics.modes import mode_gradients
     from hypernode.stages import constrained
     from hypernode.storage.netcdf import read
 
@@ -55,12 +57,12 @@ def once(given) -> None:
         settings = config.methods[given["method"]].constrained
         constrained.run(settings, given["case"], str(changed), str(output), {"rule": "benchmark"})
         with xr.open_dataset(output) as found:
-            mesh, load = mesh_of(measurement), config.loads[config.cases[given["case"]].loads[0]]
-            values = [
-                indicator(material_of(each), mesh.centres, load.kind, float(measurement["stretch"].values.max()))
-                for each in (found, truth)
-            ]
-            result = {"error": relative_error(*values, mesh.areas), "ending": found.attrs["ending"]}
+            mesh, case = mesh_of(measurement), config.cases[given["case"]]
+            stretches = np.array(case.judged_stretches or np.unique(measurement["stretch"].values))
+            mode = observed_mode(config.loads[case.loads[0]].kind)
+            F = mode_gradients(stretches)[mode : mode + 1]
+            stresses = [stress_at_common_F(material_of(each), mesh.centres, F)[0] for each in (found, truth)]
+            result = {"error": relative_error(*stresses, mesh.areas), "ending": found.attrs["ending"]}
             print(json.dumps(result | {"misfit": json.loads(found.attrs["misfits"])["displacement"]}))
 
 
