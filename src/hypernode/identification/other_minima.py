@@ -3,6 +3,7 @@
 import numpy as np
 
 from hypernode.config.methods import Constrained
+from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.gauss_newton import descend
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
@@ -48,6 +49,55 @@ def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Es
             return better
         found = better
     return found
+
+
+def without_outlying_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """Where a descent ends that begins with the material of a neighbour in every cell that is like none of them.
+
+    Terms that a cell has hardly been deformed enough to show may be anything there, and beyond what it has seen its
+    stress is then that of no neighbour, by any factor. What costs so little that a descent left it, and is like a
+    neighbour where it was seen, is more likely that neighbour's material.
+    """
+    while (params := resembling(found)) is not None:
+        better = _nearly(found, params, settings, name)
+        if better is found:
+            break
+        found = better
+    return found
+
+
+def resembling(found: Estimate) -> np.ndarray | None:
+    """The field with the material of a neighbour in every outlying cell; None where there is no such cell.
+
+    A cell is outlying where its stress under the mean deformation of the sheet lies beyond that of all its neighbours,
+    by more than the jump that is one. It takes the material of the neighbour whose stress is nearest to its own at the
+    deformation that it has seen.
+    """
+    problem = found.problem
+    mesh = problem.mesh
+    level, _ = problem.stiffness(found.params)
+    pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    least, most = np.full(len(level), np.inf), np.full(len(level), -np.inf)
+    np.minimum.at(least, pairs[:, 0], level[pairs[:, 1]])
+    np.maximum.at(most, pairs[:, 0], level[pairs[:, 1]])
+    beyond = found.objective.jump_cost.scale or 0.0
+    outlying = (least <= most) & ((level > most + beyond) | (level < least - beyond))
+    if not outlying.any():
+        return None
+    cell, other = pairs[outlying[pairs[:, 0]] & ~outlying[pairs[:, 1]]].T
+    F = np.stack([deformation_gradient(mesh, state.u) for state in found.states], axis=1)[cell]
+    F = F.transpose(2, 3, 0, 1).reshape(2, 2, -1)
+    own, others = (
+        np.asarray(problem.basis.stress(F, np.repeat(found.params[of], len(found.states), axis=0).T))
+        for of in (cell, other)
+    )
+    distance = np.sum((own - others) ** 2, axis=(0, 1)).reshape(len(cell), -1).sum(axis=1)
+    params = found.params.copy()
+    # The last one that is written to a cell is the nearest.
+    farthest_first = np.argsort(-distance, kind="stable")
+    params[cell[farthest_first]] = found.params[other[farthest_first]]
+    return params
 
 
 def perturbed(found: Estimate, settings: Constrained, name: str) -> Estimate:

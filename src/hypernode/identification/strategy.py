@@ -21,7 +21,12 @@ from hypernode.data.measurement import with_independent_errors
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
-from hypernode.identification.other_minima import perturbed, without_fibres, without_stray_cells
+from hypernode.identification.other_minima import (
+    perturbed,
+    without_fibres,
+    without_outlying_cells,
+    without_stray_cells,
+)
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.progress import say
@@ -115,7 +120,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     found = without_stray_cells(found, settings, name)
     if coarse is None:
         found = perturbed(found, settings, name)
-    return likeliest(*(subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))))
+    found = without_outlying_cells(found, settings, name)
+    divided = [subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))]
+    return without_outlying_cells(likeliest(*divided), settings, name)
 
 
 def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate | None:
