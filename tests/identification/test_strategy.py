@@ -15,8 +15,14 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.identification.camera import window_average
 from hypernode.identification.estimate import likeliest
 from hypernode.identification.gauss_newton import descend, first_field
-from hypernode.identification.other_minima import without_fibres, without_stray_cells
+from hypernode.identification.other_minima import (
+    resembling,
+    without_fibres,
+    without_outlying_cells,
+    without_stray_cells,
+)
 from hypernode.identification.problem import field_problem
+from hypernode.identification.regulariser import JumpCost
 from hypernode.identification.settings import STRATEGY, Plateau
 from hypernode.identification.strategy import identify
 from hypernode.material.files import posterior_material
@@ -366,3 +372,40 @@ def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough
     assert np.median(spread[~cut]) < 0.02
     noisy = identify(believed(data, 1e-2), settings, "shifted")
     assert not noisy.problem.divided, "what noise hides is not looked for"
+
+
+def test_a_cell_that_is_like_no_neighbour_only_where_it_was_not_seen_takes_a_neighbours_material():
+    terms = ("fibre", "stiffening")
+    data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
+    settings = Constrained(terms=list(terms), iterations=1)
+    problem = field_problem(data, settings)
+    start = descend(problem, settings, "square", None, (), 0.0)
+    # Stretched by a hundredth, no cell shows whether it stiffens.
+    hollow = dataclasses.replace(
+        start,
+        objective=dataclasses.replace(start.objective, jump_cost=JumpCost(0.02, settings.jump_scale)),
+        states=[dataclasses.replace(state, u=0.05 * state.u) for state in start.states],
+    )
+    params = np.tile(start.params[0], (36, 1))
+    alike = dataclasses.replace(hollow, params=params)
+    assert resembling(alike) is None
+    wild, names = 14, problem.basis.names
+    params[wild, names.index("log1p_stiffening")] = 3.0
+    params[20:, 0] += 0.3
+    found = resembling(dataclasses.replace(hollow, params=params))
+    assert np.array_equal(found[wild], params[13]), "the neighbour on its own side of the jump"
+    assert np.array_equal(np.delete(found, wild, axis=0), np.delete(params, wild, axis=0))
+
+
+@pytest.mark.slow
+def test_a_descent_that_left_one_cell_wild_ends_where_it_would_have_without():
+    terms = ("fibre", "stiffening")
+    data, _, _ = sheet(8, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
+    settings = Constrained(terms=list(terms))
+    found = identify(data, settings, "square")
+    params = found.params.copy()
+    params[9, found.problem.basis.names.index("log1p_stiffening")] += 2.0
+    wild = found.at(params)
+    mended = without_outlying_cells(wild, settings, "square")
+    assert mended.cost <= found.cost + 1e-3 * abs(found.cost)
+    assert np.abs(mended.params - found.params).max() < 0.05

@@ -56,9 +56,10 @@ def without_outlying_cells(found: Estimate, settings: Constrained, name: str) ->
 
     Terms that a cell has hardly been deformed enough to show may be anything there, and beyond what it has seen its
     stress is then that of no neighbour, by any factor. What costs so little that a descent left it, and is like a
-    neighbour where it was seen, is more likely that neighbour's material.
+    neighbour where it was seen, is more likely that neighbour's material. Only where nothing is left to chance: noise
+    and interfaces that cut cells make mixtures, which are like no neighbour.
     """
-    while (params := resembling(found)) is not None:
+    while found.problem.certain and (params := resembling(found)) is not None:
         better = _nearly(found, params, settings, name)
         if better is found:
             break
@@ -69,30 +70,29 @@ def without_outlying_cells(found: Estimate, settings: Constrained, name: str) ->
 def resembling(found: Estimate) -> np.ndarray | None:
     """The field with the material of a neighbour in every outlying cell; None where there is no such cell.
 
-    A cell is outlying where its stress under the mean deformation of the sheet lies beyond that of all its neighbours,
-    by more than the jump that is one. It takes the material of the neighbour whose stress is nearest to its own at the
-    deformation that it has seen.
+    A cell is outlying where its stress under the mean deformation of the sheet differs, in some load step, from that
+    of each neighbour by more than the jump that is one. It takes the material of the neighbour whose stress is nearest
+    to its own at the deformations that it has seen.
     """
-    problem = found.problem
-    mesh = problem.mesh
-    level, _ = problem.stiffness(found.params)
+    problem, steps = found.problem, len(found.states)
+    mesh, basis = problem.mesh, problem.basis
     pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
-    least, most = np.full(len(level), np.inf), np.full(len(level), -np.inf)
-    np.minimum.at(least, pairs[:, 0], level[pairs[:, 1]])
-    np.maximum.at(most, pairs[:, 0], level[pairs[:, 1]])
-    beyond = found.objective.jump_cost.scale or 0.0
-    outlying = (least <= most) & ((level > most + beyond) | (level < least - beyond))
-    if not outlying.any():
-        return None
+
+    def stress(params, F):
+        """(2, 2, cell, step) of cells with their parameters, at F of the same shape."""
+        each = np.repeat(params, steps, axis=0).T
+        return np.asarray(basis.stress(F.reshape(2, 2, -1), each)).reshape(F.shape)
+
+    common = np.repeat(problem.observations.mean_F[:, :, None], len(found.params), axis=2)
+    level = np.log(np.linalg.norm(stress(found.params, common), axis=(0, 1)))
+    differ = np.abs(level[pairs[:, 0]] - level[pairs[:, 1]]).max(axis=1) > (found.objective.jump_cost.scale or np.inf)
+    outlying = np.bincount(pairs[~differ, 0], minlength=len(level)) == 0
     cell, other = pairs[outlying[pairs[:, 0]] & ~outlying[pairs[:, 1]]].T
-    F = np.stack([deformation_gradient(mesh, state.u) for state in found.states], axis=1)[cell]
-    F = F.transpose(2, 3, 0, 1).reshape(2, 2, -1)
-    own, others = (
-        np.asarray(problem.basis.stress(F, np.repeat(found.params[of], len(found.states), axis=0).T))
-        for of in (cell, other)
-    )
-    distance = np.sum((own - others) ** 2, axis=(0, 1)).reshape(len(cell), -1).sum(axis=1)
+    if len(cell) == 0:
+        return None
+    F = np.stack([deformation_gradient(mesh, state.u) for state in found.states], axis=1)[cell].transpose(2, 3, 0, 1)
+    distance = np.sum((stress(found.params[cell], F) - stress(found.params[other], F)) ** 2, axis=(0, 1, 3))
     params = found.params.copy()
     # The last one that is written to a cell is the nearest.
     farthest_first = np.argsort(-distance, kind="stable")
