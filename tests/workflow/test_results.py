@@ -106,7 +106,7 @@ def test_every_stage_that_learns_ends_with_its_share_of_the_loss_that_it_began_w
     for path in (smoke / "results").rglob("*.nc"):
         with xr.open_dataset(path, decode_times=False) as data:
             # The history of a polishing is of displacements alone, which it trades for forces.
-            if path.stem not in LEFT or "loss" not in data or "polish" in data.attrs:
+            if path.stem not in LEFT or "loss" not in data or "polished" in data.attrs:
                 continue
             loss = data["loss"].values.ravel()
         seen.add(path.stem)
