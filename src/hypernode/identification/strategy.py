@@ -116,9 +116,20 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         if last in terms:
             tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(*tried)
+    return _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+
+
+def _settled(
+    found: Estimate, tried: list[Estimate], measurement, settings: Constrained, name: str, from_coarse: bool
+) -> Estimate:
+    """The best field near the likeliest of those that were tried, in other minima, or divided into subcells.
+
+    Args:
+        from_coarse: whether it began on a coarser grid, where other minima have been looked for.
+    """
     found = without_fibres(found, settings, name)
     found = without_stray_cells(found, settings, name)
-    if coarse is None:
+    if not from_coarse:
         found = perturbed(found, settings, name)
     found = without_outlying_cells(found, settings, name)
     divided = [subdivided(each, measurement, settings, name) for each in (found, *rivals(found, tried))]
