@@ -37,6 +37,7 @@ def prepared(folder):
     config["cases"] = {"disc": {**config["cases"]["disc"], "methods": ["tiny", "tiny_constrained"]}}
     config["figures"] = {"disc": config["figures"]["disc"]}
     config["tables"] = {"groups": config["tables"]["groups"]}
+    config["explorers"] = []
     folder.mkdir()
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     return folder
