@@ -58,9 +58,9 @@ def test_differences_of_grey_levels_change_as_their_derivative_says():
     change = (after.residual - before.residual) / (2.0 * step)
     # Half of the squared differences is quadratic with the information as its second derivative, and the derivative of
     # the gradient along any direction is what the information makes of it.
-    K = assembled(elements.dofs, *elements.told(at, 0.0), u.size)[0]
+    K = assembled(elements.mesh.dofs, *elements.told(at, 0.0), u.size)[0]
     assert (change**2).sum() == pytest.approx(away.ravel() @ (K @ away.ravel()), rel=0.02)
-    ends = [np.bincount(elements.dofs.ravel(), each.gradient.ravel(), u.size) for each in (before, after)]
+    ends = [np.bincount(elements.mesh.dofs.ravel(), each.gradient.ravel(), u.size) for each in (before, after)]
     slope = (ends[1] - ends[0]) / (2.0 * step)
     assert np.linalg.norm(slope + K @ away.ravel()) < 0.02 * np.linalg.norm(slope)
 

@@ -8,12 +8,11 @@ import scipy.sparse.linalg
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
+from hypernode.fem.factors import SYMMETRIC
 from hypernode.fem.mesh import Mesh
 
 #: Share of its diagonal that joins information which a picture may lack in some direction.
 _LEAST = 1e-10
-#: Positive definite matrices need no pivots, and their factors are those of Cholesky.
-_SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 #: Names of the variables of a measurement.
 NAMES = ("grey_X", "grey_cells", "grey_u", "grey_information", "grey_pull")
 
@@ -50,7 +49,7 @@ class Information:
             Cholesky's factor R (row, dof), sparse; R v (row,); the degrees of freedom on which the picture has a say,
             as many as there are rows.
         """
-        dofs = dofs_of(self.mesh)[used]
+        dofs = self.mesh.dofs[used]
         count = self.mesh.nodes.size
         M, b = assembled(dofs, self.matrix[step, used], self.pull[step, used], count)
         diagonal = M.diagonal()
@@ -58,17 +57,12 @@ class Information:
         if not len(observed):
             return scipy.sparse.csr_matrix((0, count)), np.zeros(0), observed
         least = _LEAST * scipy.sparse.diags(diagonal[observed])
-        factors = scipy.sparse.linalg.splu((M[observed][:, observed] + least).tocsc(), **_SYMMETRIC)
+        factors = scipy.sparse.linalg.splu((M[observed][:, observed] + least).tocsc(), **SYMMETRIC)
         pivots = np.sqrt(factors.U.diagonal())
         R = scipy.sparse.diags(pivots) @ factors.L.T.tocsr()[:, factors.perm_c]
         v = self.u[step].ravel()[observed] + factors.solve(b[observed])
         onto = scipy.sparse.csr_matrix((np.ones(len(observed)), (np.arange(len(observed)), observed)), (len(v), count))
         return R @ onto, R @ v, observed
-
-
-def dofs_of(mesh: Mesh) -> Int[np.ndarray, "element 8"]:
-    """Degrees of freedom of every element, node by node."""
-    return (2 * mesh.cells[:, :, None] + np.arange(2)).reshape(-1, 8)
 
 
 def assembled(

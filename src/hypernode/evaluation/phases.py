@@ -160,7 +160,7 @@ def _labels(parts: list[_Part], values) -> Int[np.ndarray, " cell"]:
 def _is_seam(mesh: Mesh, labels, label: int) -> bool:
     """Whether most cells of a phase touch both a softer and a stiffer one, at a side or a corner."""
     softer, stiffer = np.zeros((2, len(labels)), dtype=bool)
-    pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
+    pairs = mesh.touching()
     for one, other in (pairs.T, pairs.T[::-1]):
         softer[one[labels[other] < labels[one]]] = True
         stiffer[one[labels[other] > labels[one]]] = True

@@ -62,7 +62,7 @@ def interface_spread(
         phase: number of the phase of each cell.
         field: what jumps between them.
     """
-    pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
+    pairs = mesh.touching()
     _, number = np.unique(phase, return_inverse=True)
     typical = np.array([np.nanmedian(field[number == k]) for k in range(number.max() + 1)])
     jump = np.abs(typical[number[pairs[:, 0]]] - typical[number[pairs[:, 1]]])

@@ -7,6 +7,10 @@ import scipy.sparse
 import scipy.sparse.linalg
 from jaxtyping import Float
 
+#: Of SuperLU for symmetric matrices: pivots must not disturb their ordering, and those that are positive definite need
+#: none, so that their factors are those of Cholesky.
+SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+
 
 class CholeskyFactors:
     """Cholesky factors of a sparse symmetric positive definite matrix, of which the lower triangle is read.
@@ -37,6 +41,5 @@ def factorise(matrix: scipy.sparse.spmatrix) -> CholeskyFactors | scipy.sparse.l
     try:
         return CholeskyFactors(matrix)
     except ArithmeticError:
-        # A sheet that buckles has a tangent like that, whose symmetric ordering pivots must not disturb.
-        symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-        return scipy.sparse.linalg.splu(matrix.tocsc(), **symmetric)
+        # A sheet that buckles has a tangent like that.
+        return scipy.sparse.linalg.splu(matrix.tocsc(), **SYMMETRIC)

@@ -76,6 +76,11 @@ class Mesh:
         numbers[row, column] = np.arange(len(self.cells))
         return numbers
 
+    @property
+    def dofs(self) -> Int[np.ndarray, "cell 8"]:
+        """Degrees of freedom of every cell, node by node, x before y."""
+        return (2 * self.cells[:, :, None] + np.arange(2)).reshape(-1, 8)
+
     def on_edge(self, edge: str) -> Bool[np.ndarray, " node"]:
         """Which nodes lie on an edge of the bounding rectangle."""
         axis, sign = EDGES[edge]
@@ -104,9 +109,13 @@ class Mesh:
         pairs = np.concatenate(pairs)
         return pairs, np.sqrt(self.areas[pairs].mean(axis=1))
 
+    def touching(self) -> Int[np.ndarray, "pair 2"]:
+        """The two cells of every pair that shares a side or a corner."""
+        return np.concatenate([self.neighbours()[0], self.diagonal_neighbours()[0]])
+
     def median_of_neighbours(self, values: Float[np.ndarray, "cell ..."]) -> Float[np.ndarray, "cell ..."]:
         """Medians over the cells, up to eight, that share a side or a corner with each; its own value without any."""
-        pairs = np.concatenate([self.neighbours()[0], self.diagonal_neighbours()[0]])
+        pairs = self.touching()
         cell, other = np.concatenate([pairs, pairs[:, ::-1]])[np.argsort(pairs.T, axis=None, kind="stable")].T
         place = np.arange(len(cell)) - np.searchsorted(cell, cell)
         around = np.full((8, *values.shape), np.nan)

@@ -76,7 +76,7 @@ def resembling(found: Estimate) -> np.ndarray | None:
     """
     problem, steps = found.problem, len(found.states)
     mesh, basis = problem.mesh, problem.basis
-    pairs = np.concatenate([mesh.neighbours()[0], mesh.diagonal_neighbours()[0]])
+    pairs = mesh.touching()
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
 
     def stress(params, F):

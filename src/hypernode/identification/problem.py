@@ -56,8 +56,7 @@ class FieldProblem:
         self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
         self._gradients, self._weights = equilibrium.shape_gradients
         cells, count = len(self.mesh.cells), len(basis.names)
-        dofs = (2 * self.mesh.cells[:, :, None] + np.arange(2)).reshape(cells, 8)
-        self._rows = np.repeat(dofs[:, :, None], count, axis=2).ravel()
+        self._rows = np.repeat(self.mesh.dofs[:, :, None], count, axis=2).ravel()
         columns = np.arange(cells)[:, None] * count + np.arange(count)
         self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
 

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy.ndimage import gaussian_filter
 
-from hypernode.data.information import dofs_of
 from hypernode.fem.mesh import Mesh, rectilinear
 from hypernode.pictures.spline import Spline, noise_between, slope_noise
 
@@ -167,11 +166,6 @@ class Elements:
         # The residual is the difference of two pictures.
         weight = 1.0 / (2.0 * noise**2) if noise else 1.0
         return weight * left, weight * (left @ meant)[:, :, 0]
-
-    @cached_property
-    def dofs(self) -> Int[np.ndarray, "element 8"]:
-        """Degrees of freedom of every element."""
-        return dofs_of(self.mesh)
 
 
 def _pixels(mesh: Mesh, side: int) -> Float[np.ndarray, "element pixel 2"]:

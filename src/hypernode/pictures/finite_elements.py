@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, UInt
 from scipy.ndimage import binary_erosion
 
 from hypernode.config.correlation import OUTLINE
-from hypernode.data.information import Information, assembled, dofs_of
+from hypernode.data.information import Information, assembled
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import refine
@@ -172,7 +172,7 @@ def _noise(mesh: Mesh, matrix: Float[np.ndarray, "seen 8 8"], seen: Bool[np.ndar
 
     The first by the mean diagonal of the inverse of the information (Hutchinson's estimate), the second by its sum.
     """
-    dofs = dofs_of(mesh)[seen]
+    dofs = mesh.dofs[seen]
     K, _ = assembled(dofs, matrix, np.zeros((len(dofs), 8)), mesh.nodes.size)
     told = np.flatnonzero(K.diagonal() > 0.0)
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(told), _PROBES))

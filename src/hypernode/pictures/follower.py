@@ -85,7 +85,7 @@ class Follower:
                 linear = elements.linearise(spline, u)
                 # Without texture, noise would lead nodes astray; a blurred picture has next to none.
                 told = elements.told(linear, 0.0 if blur else self._noise(linear))
-                K, b = assembled(elements.dofs, *told, u.size)
+                K, b = assembled(elements.mesh.dofs, *told, u.size)
                 held = K.diagonal().mean() * max((_HELD * blur / elements.side) ** 4, self._held) * self._bent
                 du = factorise((K + held).tocsc()).solve(b - held @ u.ravel()).reshape(-1, 2)
                 u, change = u + du, float(np.sqrt(np.mean(du**2)))

@@ -38,7 +38,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables |= content | seen
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
-    local = local_misfit(found)
+    local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
     if "F_truth" in measurement:
@@ -52,6 +52,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **kind,
             **measures,
             **_ending(found),
+            **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
             "observed_displacements": problem.observed,
@@ -74,11 +75,8 @@ def _posterior(found, settings: Constrained) -> dict:
 
 
 def _ending(found) -> dict:
-    """How the descent to the field ended, and how it predicts steps that are left out, as attributes."""
+    """How the descent to the field ended, as attributes."""
     ending = {"ending": str(found.ending), "misfits": json.dumps(found.misfits)}
-    left_out = predict_left_out(found)
-    if left_out is not None:
-        ending["left_out"] = json.dumps(left_out.stored())
     if found.step is not None:
         ending |= {"gradient_norm": found.step.gradient_norm, "cg_residual": found.step.cg_residual}
     return ending
