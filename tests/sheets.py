@@ -5,6 +5,7 @@ import xarray as xr
 
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.fem.solver import EquilibriumSolver
+from hypernode.identification.camera import window_average
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.synthetic.forward import resultants
 
@@ -70,3 +71,21 @@ def believed(data, noise):
 
 def square(X):
     return (np.abs(X - 0.5) < 0.25).all(axis=1)
+
+
+def observed_coarsely(cells, inclusion, load, window):
+    """(measurement of every second node through a window, the share of the inclusion in every measured cell)."""
+    data, mesh, _ = sheet(2 * cells, inclusion, load, window=window, terms=())
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    grid = rectilinear(lines, lines)
+    u = data["u_measured"].values[0]
+    seen = (window_average(mesh, window) @ u.reshape(len(u), -1).T).T.reshape(u.shape)
+    every_second = (2 * np.arange(cells + 1)[:, None] * (2 * cells + 1) + 2 * np.arange(cells + 1)).ravel()
+    data = data.drop_dims(["node", "cell"]).assign(
+        X=(("node", "i"), grid.nodes),
+        cells=(("cell", "vertex"), grid.cells),
+        relative_thickness=("cell", np.ones(len(grid.cells))),
+        u_measured=(("repeat", "load_step", "node", "i"), seen[None, :, every_second]),
+    )
+    inside = inclusion(mesh.centres).reshape(cells, 2, cells, 2).mean(axis=(1, 3)).ravel()
+    return data, inside

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
-from hypernode.fem.mesh import rectilinear
-from hypernode.identification.camera import window_average
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.other_minima import (
     resembling,
@@ -69,24 +67,6 @@ def test_a_descent_that_noise_holds_up_is_perturbed_into_a_better_field_and_a_cl
     found = identify(data, settings, "square")
     once = descend(found.problem, settings, "square", None, (), settings.tolerance)
     assert np.array_equal(found.history, once.history)
-
-
-def observed_coarsely(cells, inclusion, load, window):
-    """(measurement of every second node through a window, the share of the inclusion in every measured cell)."""
-    data, mesh, _ = sheet(2 * cells, inclusion, load, window=window, terms=())
-    lines = np.linspace(0.0, 1.0, cells + 1)
-    grid = rectilinear(lines, lines)
-    u = data["u_measured"].values[0]
-    seen = (window_average(mesh, window) @ u.reshape(len(u), -1).T).T.reshape(u.shape)
-    every_second = (2 * np.arange(cells + 1)[:, None] * (2 * cells + 1) + 2 * np.arange(cells + 1)).ravel()
-    data = data.drop_dims(["node", "cell"]).assign(
-        X=(("node", "i"), grid.nodes),
-        cells=(("cell", "vertex"), grid.cells),
-        relative_thickness=("cell", np.ones(len(grid.cells))),
-        u_measured=(("repeat", "load_step", "node", "i"), seen[None, :, every_second]),
-    )
-    inside = inclusion(mesh.centres).reshape(cells, 2, cells, 2).mean(axis=(1, 3)).ravel()
-    return data, inside
 
 
 def test_a_cell_that_is_like_no_neighbour_only_where_it_was_not_seen_takes_a_neighbours_material():

@@ -20,7 +20,7 @@ from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.loads import make_load
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
-from tests.sheets import SCALE, believed, sheet, square
+from tests.sheets import SCALE, believed, observed_coarsely, sheet, square
 
 
 @pytest.mark.slow
