@@ -13,7 +13,7 @@ SCALE = 0.4
 
 
 def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=()):
-    """A measurement, as the file would hold it, of a sheet whose stiffness doubles where ``inclusion``.
+    """A measurement, as the file would hold it, of a sheet that is stiffer by 2 to the power of ``inclusion``, 0 to 1.
 
     Of the basis with ``terms`` its parameters have their ``values``, pairs of name and number, or those it starts with.
     """
@@ -22,7 +22,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
     mesh = rectilinear(lines, lines)
     values = dict(zip(basis.names, basis.start, strict=True)) | dict(values)
     params = np.tile(list(values.values()), (len(mesh.cells), 1))
-    params[inclusion(mesh.centres), 0] += np.log(2.0)
+    params[:, 0] += np.log(2.0) * inclusion(mesh.centres)
     solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
     u, _ = solver.solve(load)
     force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))

@@ -4,11 +4,50 @@ import dataclasses
 import functools
 
 import numpy as np
+import scipy.sparse
+import scipy.sparse.csgraph
+from jaxtyping import Float, Int
 
+from hypernode.fem.mesh import Mesh
 from hypernode.identification.objective import Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.verdict import Ending
+
+
+@dataclasses.dataclass(frozen=True)
+class Phases:
+    """A field of a few materials.
+
+    Attributes:
+        labels: number of every cell's phase (cell,).
+        materials: parameters of every phase (phase, parameter).
+    """
+
+    labels: Int[np.ndarray, " cell"]
+    materials: Float[np.ndarray, "phase parameter"]
+
+    @property
+    def params(self) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of every cell."""
+        return self.materials[self.labels]
+
+    def regions(self, mesh: Mesh) -> int:
+        """How many regions of touching cells of one phase there are."""
+        pairs = mesh.touching()
+        alike = pairs[self.labels[pairs[:, 0]] == self.labels[pairs[:, 1]]]
+        joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(self.labels),))
+        return int(scipy.sparse.csgraph.connected_components(joined, directed=False, return_labels=False))
+
+    @property
+    def columns(self) -> scipy.sparse.csc_matrix:
+        """Derivative of the flattened field by the flattened materials (cell x parameter, phase x parameter)."""
+        count = self.materials.shape[1]
+        member = scipy.sparse.csr_matrix(
+            (np.ones(len(self.labels)), (np.arange(len(self.labels)), self.labels)),
+            (len(self.labels), len(self.materials)),
+        )
+        return scipy.sparse.kron(member, scipy.sparse.identity(count), format="csc")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,6 +63,7 @@ class Estimate:
         cost: the whole objective, minus the logarithm of how probable the field is after the test.
         ending: how the descent ended.
         step: the last Gauss-Newton step that was tried, or None where none was.
+        phases: the few materials that the field is made of, where it is, and which of them every cell has.
     """
 
     objective: Objective
@@ -34,6 +74,7 @@ class Estimate:
     cost: float
     ending: Ending
     step: Step | None
+    phases: Phases | None = None
 
     @property
     def problem(self) -> FieldProblem:
@@ -68,9 +109,14 @@ class Estimate:
 
     @functools.cached_property
     def effective_parameters(self) -> float:
-        """How many numbers of the field noisy displacements determine; none are counted without noise."""
+        """How many numbers of the field noisy displacements determine; none are counted without noise.
+
+        Of phases, all that their materials have; contours pay by their length.
+        """
         if self.linear is None or not self.problem.noisy:
             return 0.0
+        if self.phases is not None:
+            return float(self.phases.materials.size)
         return self.objective.effective_parameters(self.linear, self.params, self.step and self.step.deflation)
 
     @property
@@ -136,7 +182,7 @@ class Estimate:
         if states is None:
             return None
         cost = self.objective.value(params, states, self.problem.sigma, self.linear)
-        return dataclasses.replace(self, params=params, states=states, cost=cost, ending=Ending.UNFINISHED)
+        return dataclasses.replace(self, params=params, states=states, cost=cost, ending=Ending.UNFINISHED, phases=None)
 
     def after(self, *earlier: "Estimate") -> "Estimate":
         """The same with the history of the descents that led to its start before its own."""

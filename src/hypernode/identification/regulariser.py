@@ -32,6 +32,10 @@ class JumpCost:
     scale: float | None = None
     isotropic: bool = False
 
+    def of(self, size: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+        """What jumps of these sizes cost, each over a unit of length."""
+        return size if self.scale is None else self.scale * np.log1p(size / self.scale)
+
 
 def _differences(pairs, cells: int) -> scipy.sparse.csr_matrix:
     """Matrix (pair, cell) that takes cell values to their differences."""
@@ -58,7 +62,8 @@ class Regulariser:
         isotropic = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / unit
         cells = len(mesh.cells)
         # By whether the sum is isotropic.
-        self._difference = [_differences(sides, cells), _differences(np.concatenate([sides, corners]), cells)]
+        self._pairs = [sides, np.concatenate([sides, corners])]
+        self._difference = [_differences(pairs, cells) for pairs in self._pairs]
         self._length = [length / unit, isotropic]
         self._share = np.array([strategy.jump_shares.get(name, strategy.default_jump_share) for name in names])
         self._stiffness = stiffness
@@ -78,8 +83,22 @@ class Regulariser:
     def value(self, params: Float[np.ndarray, "cell parameter"], cost: JumpCost) -> float:
         """The penalty."""
         _, size = self._jumps(self._coordinates(params)[0], cost)
-        each = size if cost.scale is None else cost.scale * np.log1p(size / cost.scale)
-        return float(self._length[cost.isotropic] @ each)
+        return float(self._length[cost.isotropic] @ cost.of(size))
+
+    def lengths(self, cost: JumpCost) -> scipy.sparse.csr_matrix:
+        """Length of interface between every two cells that count as neighbours (cell, cell), symmetric."""
+        one, other = self._pairs[cost.isotropic].T
+        cells = self._difference[cost.isotropic].shape[1]
+        half = scipy.sparse.csr_matrix((self._length[cost.isotropic], (one, other)), (cells, cells))
+        return (half + half.T).tocsr()
+
+    def between(
+        self, materials: Float[np.ndarray, "phase parameter"], cost: JumpCost
+    ) -> Float[np.ndarray, "phase phase"]:
+        """What a unit of length between cells of two materials costs beyond one between cells that are alike."""
+        values, _ = self._coordinates(materials)
+        size = np.sqrt(((values[:, None] - values) ** 2).sum(axis=-1) + cost.smallest**2)
+        return cost.of(size) - cost.of(np.array(cost.smallest))
 
     def roots(self, params: Float[np.ndarray, "cell parameter"], cost: JumpCost):
         """(R, r, B): with y = B x, y^T R^T R y is a quadratic form that touches the penalty from above.

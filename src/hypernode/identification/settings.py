@@ -157,6 +157,19 @@ class Strategy:
     # Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
 
+    # Phases of one material each.
+    #: How many are tried at most.
+    most_phases: int = 4
+    #: Rounds of materials and contours after which a field of phases is left as it is, and steps of the materials.
+    phase_rounds: int = 10
+    phase_steps: int = 12
+    #: What a step of the materials must gain, and moved contours: a twentieth of what chance changes a cost by.
+    phase_gain: float = 0.05
+    #: Levenberg and Marquardt: shares of the curvature that are added to it until a step lowers the cost.
+    phase_damping: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
+    #: Columns of the Jacobian at a time, for memory.
+    columns_at_once: int = 128
+
     # Coarse grid first.
     #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
     #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.

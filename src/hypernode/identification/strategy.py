@@ -7,8 +7,9 @@ Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly mat
 
 The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
 valleys that all coefficients together make. From there the other terms are released. Where noise makes
-many minima, what was found is perturbed out of its own to see whether there is a better one. Where interfaces lie
-anywhere and noise does not hide them, cells are then divided.
+many minima, a field of a few phases is kept if it is the likelier one, and otherwise what was found is perturbed out of
+its own minimum to see whether there is a better one. Where interfaces lie anywhere and noise does not hide them, cells
+are then divided.
 """
 
 import functools
@@ -27,6 +28,7 @@ from hypernode.identification.other_minima import (
     without_outlying_cells,
     without_stray_cells,
 )
+from hypernode.identification.phases import in_phases, on_finer_grid
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.progress import say
@@ -87,6 +89,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
         # A coarse grid has the forces of the finer one.
         check_forces(problem_of, settings, name)
     if coarse is not None:
+        finer = on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
+        if finer is not None:
+            return finer
         tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
         doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
@@ -127,7 +132,9 @@ def _settled(
     Args:
         from_coarse: whether it began on a coarser grid, where other minima have been looked for.
     """
-    found = without_fibres(found, settings, name)
+    found = in_phases(without_fibres(found, settings, name), name)
+    if found.phases is not None:
+        return found
     found = without_stray_cells(found, settings, name)
     if not from_coarse:
         found = perturbed(found, settings, name)

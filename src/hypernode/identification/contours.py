@@ -1,0 +1,98 @@
+"""Which phase every cell along a contour belongs to: the best labels of a quadratic model of the misfit.
+
+A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. Where
+many cells change together these changes add, and the materials of the phases follow, so that the misfit is a quadratic
+form of binary numbers; single cells and pairs of neighbours change as long as that lowers the cost.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Bool, Float, Int
+
+from hypernode.fem.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Options:
+    """Changes of labels that may be made.
+
+    Attributes:
+        cell, label: which cell would have which label, another than it has (option,).
+        pairs: numbers of every two options of neighbouring cells (pair, 2).
+    """
+
+    cell: Int[np.ndarray, " option"]
+    label: Int[np.ndarray, " option"]
+    pairs: Int[np.ndarray, "pair 2"]
+
+
+def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options:
+    """Every cell that touches another phase, at a side or a corner, may have the label of that phase."""
+    touching = mesh.touching()
+    both = np.concatenate([touching, touching[:, ::-1]])
+    differ = both[labels[both[:, 0]] != labels[both[:, 1]]]
+    cell, label = np.unique(np.stack([differ[:, 0], labels[differ[:, 1]]], axis=1), axis=0).T
+    member = scipy.sparse.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), cell)), (len(cell), len(labels)))
+    adjacent = scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (len(labels), len(labels)))
+    near = scipy.sparse.triu(member @ adjacent @ member.T, 1).tocoo()
+    return Options(cell, label, np.stack([near.row, near.col], axis=1))
+
+
+def relabelled(
+    labels: Int[np.ndarray, " cell"],
+    options: Options,
+    gradient: Float[np.ndarray, " option"],
+    curvature: Float[np.ndarray, "option option"],
+    lengths: scipy.sparse.csr_matrix,
+    between: Float[np.ndarray, "phase phase"],
+    gain: float,
+) -> Int[np.ndarray, " cell"]:
+    """The labels after every change of one option, or of two of neighbouring cells, that lowers the cost.
+
+    Args:
+        gradient, curvature: of the misfit by the options, as if they were real numbers from 0 to 1.
+        lengths: length of interface between every two neighbours (cell, cell).
+        between: what a unit of length between two phases costs.
+        gain: what a change must lower the cost by.
+    """
+    labels, first = labels.copy(), labels
+    taken = np.zeros(len(options.cell), dtype=bool)
+    gradient, own, (one, other) = gradient.copy(), 0.5 * np.diag(curvature), options.pairs.T
+    rows = lengths[options.cell]
+    shared = np.asarray(rows[one, options.cell[other]]).ravel()
+    each = np.arange(len(taken))
+    while len(taken):
+        sign = np.where(taken, -1.0, 1.0)
+        to = np.where(taken, first[options.cell], options.label)
+        now = labels[options.cell]
+        around = rows @ between[labels]
+        change = sign * gradient + own + around[each, to] - around[each, now]
+        # A cell has one label: what would take another option of it waits until it has its first label again.
+        change[_blocked(options, taken)] = np.inf
+        together = change[one] + change[other] + sign[one] * sign[other] * curvature[one, other]
+        together += shared * (
+            between[to[one], to[other]]
+            - between[to[one], now[other]]
+            - between[now[one], to[other]]
+            + between[now[one], now[other]]
+        )
+        best = [int(change.argmin())]
+        if len(together) and together.min() < change[best[0]]:
+            best = list(options.pairs[together.argmin()])
+        lowered = min(change.min(), together.min(initial=np.inf))
+        if not lowered < -gain:
+            break
+        for k in best:
+            gradient += sign[k] * curvature[:, k]
+            labels[options.cell[k]] = to[k]
+            taken[k] = not taken[k]
+    return labels
+
+
+def _blocked(options: Options, taken: Bool[np.ndarray, " option"]) -> Bool[np.ndarray, " option"]:
+    """Options of a cell that has taken another one."""
+    changed = np.zeros(options.cell.max() + 1, dtype=bool)
+    changed[options.cell[taken]] = True
+    return changed[options.cell] & ~taken

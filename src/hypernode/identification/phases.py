@@ -1,0 +1,227 @@
+"""A sheet of a few phases, each of one material: a contour and a handful of numbers that explain a noisy test as well.
+
+Free cells at an interface end half-way between its sides wherever the test hardly tells them apart, and no gradient
+leads away from there, since what a jump costs is concave. If each side is one material there is nothing half-way: a
+cell belongs to one or to the other, and where it belongs changes the residuals by many times their noise. Whether the
+sheet is made so is no assumption: the field of phases is kept where it is the likelier one.
+"""
+
+import dataclasses
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float, Int
+from skimage.filters import threshold_otsu
+
+from hypernode.config.methods import Constrained
+from hypernode.fem.mesh import Mesh
+from hypernode.identification.contours import options_at_contours, relabelled
+from hypernode.identification.estimate import Estimate, Phases
+from hypernode.identification.gauss_newton import first_field, objective_at_end
+from hypernode.identification.objective import Objective
+from hypernode.identification.problem import FieldProblem
+from hypernode.progress import say
+from hypernode.verdict import Ending
+
+
+def in_phases(found: Estimate, name: str) -> Estimate:
+    """The field of a few phases that explains a noisy test, if it is likelier than ``found``; otherwise ``found``."""
+    if not found.problem.sharp:
+        return found
+    best = _of_few_phases(found.objective, found.params, [state.u for state in found.states], name)
+    if best is None or best.underfitted or found.information_criterion <= best.information_criterion:
+        return found
+    return best.after(found)
+
+
+def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate, name: str) -> Estimate | None:
+    """A field of a few phases, with contours of this grid, that begins from a field of a coarser one.
+
+    None where no such field explains a noisy test.
+    """
+    if not problem.sharp:
+        return None
+    params, centre, guesses = first_field(problem, before)
+    best = _of_few_phases(objective_at_end(problem, settings, centre), params, guesses, name)
+    return None if best is None or best.ambiguous else best.after(before)
+
+
+def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate | None:
+    """The likeliest field of a few phases near some parameters, or None where none has an equilibrium.
+
+    A phase is split in two by its stiffness as long as that pays at once; contours move where the test is explained
+    but for them.
+    """
+    level, _ = objective.problem.stiffness(params)
+    best, labels = None, np.zeros(len(level), dtype=int)
+    for _ in range(objective.problem.strategy.most_phases):
+        found = _at(objective, Phases(labels, _medians(objective.problem.mesh, params, labels)), guesses)
+        if found is None:
+            break
+        found = _with_materials(found)
+        if best is not None and _criterion(best) <= _criterion(found):
+            break
+        if found.unexplained <= 1.0:
+            found = _settled(found, name)
+            # Noise makes the best of many contours look real.
+            if best is not None and _criterion(best) <= _criterion(found):
+                break
+        best, guesses = found, [state.u for state in found.states]
+        labels = _split(level, found.phases.labels)
+    return best
+
+
+def _criterion(found: Estimate) -> float:
+    """The information criterion among fields of phases: each region pays for the places that it might be at as well."""
+    return found.information_criterion + found.phases.regions(found.problem.mesh) * np.log(len(found.params))
+
+
+def _split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
+    """Labels with one phase more: the cells above Otsu's threshold in the phase whose stiffness varies most in all."""
+    spread = [((level[labels == k] - level[labels == k].mean()) ** 2).sum() for k in range(labels.max() + 1)]
+    cells = np.flatnonzero(labels == int(np.argmax(spread)))
+    finer = labels.copy()
+    if np.ptp(level[cells]) > 0.0:
+        high = level[cells] > threshold_otsu(level[cells])
+        half_way = 0.5 * (np.median(level[cells[high]]) + np.median(level[cells[~high]]))
+        finer[cells[level[cells] > half_way]] = labels.max() + 1
+    return finer
+
+
+def _medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
+    """Median parameters of every phase, off its contours as far as it has such cells."""
+    pairs = mesh.touching()
+    inside = np.ones(len(labels), dtype=bool)
+    inside[pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]] = False
+    members = [labels == k for k in range(labels.max() + 1)]
+    return np.array([np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members])
+
+
+def _reached(objective: Objective, phases: Phases, near: Estimate) -> Estimate | None:
+    """:func:`_at` beside an estimate."""
+    return _at(objective, phases, [state.u for state in near.states])
+
+
+def _at(objective: Objective, phases: Phases, guesses) -> Estimate | None:
+    """The estimate of a field of phases, or None where that has no equilibrium within reach."""
+    problem, params = objective.problem, phases.params
+    states = problem.equilibrium.states(params, guesses)
+    if states is None:
+        return None
+    linear = problem.linearise(params, states, problem.sigma)
+    history = np.array([objective.misfit(states, linear)])
+    cost = objective.value(params, states, problem.sigma, linear)
+    return Estimate(objective, linear, params, states, history, cost, Ending.UNFINISHED, None, phases)
+
+
+def _settled(start: Estimate, name: str) -> Estimate:
+    """Materials and contours in turn, until neither lowers the cost any more."""
+    strategy, found = start.problem.strategy, start
+    ending = Ending.OUT_OF_ITERATIONS
+    for _ in range(strategy.phase_rounds):
+        moved = _with_contours(found)
+        if moved is None or found.cost - moved.cost < strategy.phase_gain:
+            ending = Ending.CONVERGED
+            break
+        found = moved.after(found)
+    count = len(found.phases.materials)
+    say("constrained field", name, f"{count} {'phase' if count == 1 else 'phases'}, {ending}: {found.summary}")
+    return dataclasses.replace(found, ending=ending)
+
+
+def _pull(found: Estimate, linear) -> Float[np.ndarray, " parameter"]:
+    """Gradient of the misfit by the parameters of the cells, flattened."""
+    return linear.adjoint(np.concatenate(found.objective.residuals(found.states, linear.sigma, linear)))
+
+
+def _with_materials(found: Estimate) -> Estimate:
+    """The same contours between the likeliest materials, by damped Gauss-Newton steps.
+
+    What a contour costs is its length here and does not shrink the jump, so that its cost has no part in a step.
+    """
+    objective, strategy = found.objective, found.problem.strategy
+
+    def cost(each: Estimate, linear) -> float:
+        held = 0.5 * objective.ridge @ (each.params.ravel() - objective.centre) ** 2
+        return objective.misfits(each.states, linear.sigma, linear) + held
+
+    for _ in range(strategy.phase_steps):
+        linear, columns, better = found.linear, found.phases.columns, None
+        gradient = columns.T @ (_pull(found, linear) + objective.ridge * (found.params.ravel() - objective.centre))
+        curvature = columns.T @ linear.curvature(columns.toarray())
+        curvature += (columns.T @ scipy.sparse.diags(objective.ridge) @ columns).toarray()
+        for damping in strategy.phase_damping:
+            change = -np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), gradient)
+            if -0.5 * gradient @ change < strategy.phase_gain:
+                break
+            change *= min(1.0, strategy.largest_step / np.abs(change).max())
+            materials = found.phases.materials + change.reshape(found.phases.materials.shape)
+            trial = _reached(objective, dataclasses.replace(found.phases, materials=materials), found)
+            if trial is not None and cost(trial, linear) < cost(found, linear):
+                better = trial
+                break
+        if better is None:
+            break
+        found = better.after(found)
+    return found
+
+
+def _with_contours(found: Estimate) -> Estimate | None:
+    """Phases whose contours have moved to where they cost least, and their materials; None where none would move.
+
+    The misfit is linearised where every cell that may change is half-way, so that the quadratic model holds on both
+    sides; in it the materials follow the contours.
+    """
+    objective, problem, phases = found.objective, found.problem, found.phases
+    options = options_at_contours(problem.mesh, phases.labels)
+    if not len(options.cell):
+        return None
+    half_way = phases.params
+    offered = np.bincount(options.cell, minlength=len(half_way))
+    np.add.at(half_way, options.cell, phases.materials[options.label])
+    half_way /= 1.0 + offered[:, None]
+    states = problem.equilibrium.states(half_way, [state.u for state in found.states])
+    if states is None:
+        return None
+    linear = problem.linearise(half_way, states, problem.sigma)
+    gradient, curvature = _quadratic(found, linear, _changes(phases, options))
+    labels = relabelled(
+        phases.labels,
+        options,
+        gradient,
+        curvature,
+        objective.regulariser.lengths(objective.jump_cost),
+        objective.regulariser_weight * objective.regulariser.between(phases.materials, objective.jump_cost),
+        problem.strategy.phase_gain,
+    )
+    if np.array_equal(labels, phases.labels) or len(np.unique(labels)) < len(phases.materials):
+        return None
+    moved = _reached(objective, dataclasses.replace(phases, labels=labels), found)
+    return moved and _with_materials(moved)
+
+
+def _changes(phases: Phases, options) -> scipy.sparse.csc_matrix:
+    """What every option changes of the flattened field (parameter, option)."""
+    change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
+    number, count = change.shape
+    rows = (options.cell[:, None] * count + np.arange(count)).ravel()
+    columns = np.repeat(np.arange(number), count)
+    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, number))
+
+
+def _quadratic(found: Estimate, linear, changes: scipy.sparse.csc_matrix):
+    """(gradient, curvature) of the misfit by options, where the materials of the phases follow what is chosen."""
+    objective, columns = found.objective, found.phases.columns
+    pull, at_once = _pull(found, linear), found.problem.strategy.columns_at_once
+
+    def curvature_of(matrix):
+        blocks = range(0, matrix.shape[1], at_once)
+        return [linear.nearly_curvature(matrix[:, k : k + at_once].toarray()) for k in blocks]
+
+    by_materials = np.concatenate(curvature_of(columns), axis=1)
+    materials = columns.T @ by_materials + (columns.T @ scipy.sparse.diags(objective.ridge) @ columns).toarray()
+    crossed = changes.T @ by_materials
+    followed = np.linalg.solve(materials, crossed.T)
+    curvature = np.concatenate([changes.T @ block for block in curvature_of(changes)], axis=1) - crossed @ followed
+    gradient = changes.T @ pull - followed.T @ (columns.T @ pull)
+    return gradient, 0.5 * (curvature + curvature.T)
