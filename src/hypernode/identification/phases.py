@@ -49,8 +49,7 @@ def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate
 def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate | None:
     """The likeliest field of a few phases near some parameters, or None where none has an equilibrium.
 
-    A phase is split in two by its stiffness as long as that pays at once; contours move where the test is explained
-    but for them.
+    A phase is split in two by its stiffness as long as that pays at once.
     """
     level, _ = objective.problem.stiffness(params)
     best, labels = None, np.zeros(len(level), dtype=int)
@@ -61,11 +60,10 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
         found = _with_materials(found)
         if best is not None and _criterion(best) <= _criterion(found):
             break
-        if found.unexplained <= 1.0:
-            found = _settled(found, name)
-            # Noise makes the best of many contours look real.
-            if best is not None and _criterion(best) <= _criterion(found):
-                break
+        found = _settled(found, name)
+        # Noise makes the best of many contours look real.
+        if best is not None and _criterion(best) <= _criterion(found):
+            break
         best, guesses = found, [state.u for state in found.states]
         labels = _split(level, found.phases.labels)
     return best
@@ -115,7 +113,10 @@ def _at(objective: Objective, phases: Phases, guesses) -> Estimate | None:
 
 
 def _settled(start: Estimate, name: str) -> Estimate:
-    """Materials and contours in turn, until neither lowers the cost any more."""
+    """Materials and contours in turn, until neither lowers the cost any more.
+
+    What contours hardly explain of a misfit that is far from its noise is no matter of contours, and is left.
+    """
     strategy, found = start.problem.strategy, start
     ending = Ending.OUT_OF_ITERATIONS
     for _ in range(strategy.phase_rounds):
@@ -123,7 +124,10 @@ def _settled(start: Estimate, name: str) -> Estimate:
         if moved is None or found.cost - moved.cost < strategy.phase_gain:
             ending = Ending.CONVERGED
             break
-        found = moved.after(found)
+        gained, found = found.cost - moved.cost, moved.after(found)
+        if found.unexplained > 1.0 and gained < strategy.phase_share * (found.cost - found.problem.cost_of_noise):
+            ending = Ending.STAGNATED
+            break
     count = len(found.phases.materials)
     say("constrained field", name, f"{count} {'phase' if count == 1 else 'phases'}, {ending}: {found.summary}")
     return dataclasses.replace(found, ending=ending)

@@ -165,6 +165,9 @@ class Strategy:
     phase_steps: int = 12
     #: What a step of the materials must gain, and moved contours: a twentieth of what chance changes a cost by.
     phase_gain: float = 0.05
+    #: Share of what is left above noise that contours must explain in a round while the test is not explained. Those of
+    #: a coarser grid explain most of it, those of a stiffness that changes gradually a tenth.
+    phase_share: float = 0.25
     #: Levenberg and Marquardt: shares of the curvature that are added to it until a step lowers the cost.
     phase_damping: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
     #: Columns of the Jacobian at a time, for memory.
