@@ -8,6 +8,7 @@ from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.contours import options_at_contours, relabelled
 from hypernode.identification.gauss_newton import descend
+from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.phases import in_phases, on_finer_grid
 from hypernode.identification.problem import field_problem
 from hypernode.identification.regulariser import JumpCost, Regulariser
@@ -98,6 +99,20 @@ def test_a_noisy_sheet_of_two_materials_is_two_phases_with_every_cell_where_it_b
         return np.sqrt(np.mean((each.params[:, 0] - true[:, 0]) ** 2))
 
     assert error(phases) < 0.7 * error(found)
+
+
+def test_a_left_out_step_of_phases_is_predicted_as_their_materials_alone_would_answer():
+    settings = Constrained(terms=["I1_squared"])
+    found, _, _ = descended(square, settings, cells=10)
+    phases = in_phases(found, "sheet")
+    linear, columns = phases.linear, phases.phases.columns.toarray()
+    load = linear.adjoint(np.random.default_rng(1).normal(size=linear.shape[0]))
+    J = linear.product(columns)
+    answer = phases.answers(linear.curvature).solve_columns(load[:, None], 0.0, 0)[:, 0]
+    ridge = columns.T @ (phases.objective.ridge[:, None] * columns)
+    assert answer == pytest.approx(columns @ np.linalg.solve(J.T @ J + ridge, columns.T @ load), rel=1e-6)
+    predicted = predict_left_out(phases)
+    assert abs(predicted.displacement - 1.0) < 4.0 / np.sqrt(2.0 * predicted.observed) and predicted.force < 3.0
 
 
 def test_stiffness_that_changes_from_place_to_place_is_no_phases():

@@ -26,6 +26,8 @@ def score_ending(constrained: xr.Dataset) -> Judgement:
         "displacement_misfit": float(misfits["displacement"]),
         "force_misfit": float(misfits["force"]),
     }
+    if materials := int(constrained.attrs.get("materials", 0)):
+        summary["materials"] = materials
     if "left_out" in constrained.attrs:
         left_out = json.loads(constrained.attrs["left_out"])
         summary["left_out_displacement_misfit"] = left_out["displacement"]

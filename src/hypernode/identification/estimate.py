@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse
@@ -9,7 +10,7 @@ import scipy.sparse.csgraph
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.objective import Objective, Step
+from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.verdict import Ending
@@ -48,6 +49,25 @@ class Phases:
             (len(self.labels), len(self.materials)),
         )
         return scipy.sparse.kron(member, scipy.sparse.identity(count), format="csc")
+
+
+class MaterialEquations:
+    """C (C^T (J^T J + ridge) C)^-1 C^T b: how a field of phases, with columns C, answers to a load b.
+
+    Args:
+        curvature: x -> J^T J x.
+        phases: whose materials follow, and whose contours do not.
+        ridge: by parameter of the cells.
+    """
+
+    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
+        self._columns = phases.columns
+        dense = self._columns.toarray()
+        self._inverse = np.linalg.inv(self._columns.T @ (curvature(dense) + ridge[:, None] * dense))
+
+    def solve_columns(self, b, rtol: float, iterations: int):
+        """The answers to the columns of ``b`` (parameter, k); they are exact."""
+        return self._columns @ (self._inverse @ (self._columns.T @ b))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,6 +138,16 @@ class Estimate:
         if self.phases is not None:
             return float(self.phases.materials.size)
         return self.objective.effective_parameters(self.linear, self.params, self.step and self.step.deflation)
+
+    def answers(self, curvature: Callable) -> NormalEquations | MaterialEquations:
+        """How the field answers to loads, by its cells or by the materials of its phases.
+
+        Args:
+            curvature: x -> J^T J x of the data that hold it.
+        """
+        if self.phases is None:
+            return self.objective.precision(curvature, self.params, self.step and self.step.deflation)
+        return MaterialEquations(curvature, self.phases, self.objective.ridge)
 
     @property
     def information_criterion(self) -> float:

@@ -57,6 +57,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "displacement_sigma": problem.sigma,
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
+            "materials": 0 if found.phases is None else len(found.phases.materials),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
