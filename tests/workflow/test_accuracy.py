@@ -6,18 +6,18 @@ import pandas as pd
 import pytest
 
 TABLES = Path(__file__).resolve().parents[2] / "results" / "tables"
-#: Group -> largest median and largest value of the stress error [-] of its runs: what noisy fields come to, whose
-#: single cells the test does not tell of (docs/decisions/0039). Aimed at are 0.010 and 0.020, with three tests 0.008
-#: and 0.015.
+#: Group -> largest median and largest value of the stress error [-] of its runs. Of one test they are what was aimed
+#: at; with three tests that would be 0.008 and 0.015, which weak fibres of GOH miss (docs/decisions/0056). Points gone
+#: wrong leave cells of the wrong phase, and the verdict warns.
 BOUNDS = {
-    "ring, one test": (0.020, 0.028),
-    "X, one test": (0.028, 0.036),
+    "ring, one test": (0.010, 0.020),
+    "X, one test": (0.010, 0.020),
     "P, one test": (0.010, 0.020),
     "ring, three tests": (0.016, 0.022),
     "X, three tests": (0.016, 0.022),
     "P, three tests": (0.008, 0.015),
     "drifting load cell": (0.030, 0.040),
-    "mistaken points": (0.028, 0.036),
+    "mistaken points": (0.054, 0.060),
 }
 
 
