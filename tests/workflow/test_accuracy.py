@@ -8,7 +8,7 @@ import pytest
 TABLES = Path(__file__).resolve().parents[2] / "results" / "tables"
 #: Group -> largest median and largest value of the stress error [-] of its runs. Of one test they are what was aimed
 #: at; with three tests that would be 0.008 and 0.015, which weak fibres of GOH miss (docs/decisions/0056). Points gone
-#: wrong leave cells of the wrong phase, and the verdict warns.
+#: wrong are taken up by single cells, and the verdict warns.
 BOUNDS = {
     "ring, one test": (0.010, 0.020),
     "X, one test": (0.010, 0.020),
