@@ -5,69 +5,12 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.csgraph
-from jaxtyping import Float, Int
 
-from hypernode.fem.mesh import Mesh
+from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.verdict import Ending
-
-
-@dataclasses.dataclass(frozen=True)
-class Phases:
-    """A field of a few materials.
-
-    Attributes:
-        labels: number of every cell's phase (cell,).
-        materials: parameters of every phase (phase, parameter).
-    """
-
-    labels: Int[np.ndarray, " cell"]
-    materials: Float[np.ndarray, "phase parameter"]
-
-    @property
-    def params(self) -> Float[np.ndarray, "cell parameter"]:
-        """Parameters of every cell."""
-        return self.materials[self.labels]
-
-    def regions(self, mesh: Mesh) -> int:
-        """How many regions of touching cells of one phase there are."""
-        pairs = mesh.touching()
-        alike = pairs[self.labels[pairs[:, 0]] == self.labels[pairs[:, 1]]]
-        joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(self.labels),))
-        return int(scipy.sparse.csgraph.connected_components(joined, directed=False, return_labels=False))
-
-    @property
-    def columns(self) -> scipy.sparse.csc_matrix:
-        """Derivative of the flattened field by the flattened materials (cell x parameter, phase x parameter)."""
-        count = self.materials.shape[1]
-        member = scipy.sparse.csr_matrix(
-            (np.ones(len(self.labels)), (np.arange(len(self.labels)), self.labels)),
-            (len(self.labels), len(self.materials)),
-        )
-        return scipy.sparse.kron(member, scipy.sparse.identity(count), format="csc")
-
-
-class MaterialEquations:
-    """C (C^T (J^T J + ridge) C)^-1 C^T b: how a field of phases, with columns C, answers to a load b.
-
-    Args:
-        curvature: x -> J^T J x.
-        phases: whose materials follow, and whose contours do not.
-        ridge: by parameter of the cells.
-    """
-
-    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
-        self._columns = phases.columns
-        dense = self._columns.toarray()
-        self._inverse = np.linalg.inv(self._columns.T @ (curvature(dense) + ridge[:, None] * dense))
-
-    def solve_columns(self, b, rtol: float, iterations: int):
-        """The answers to the columns of ``b`` (parameter, k); they are exact."""
-        return self._columns @ (self._inverse @ (self._columns.T @ b))
 
 
 @dataclasses.dataclass(frozen=True)

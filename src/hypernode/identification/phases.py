@@ -15,8 +15,9 @@ from skimage.filters import threshold_otsu
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.contours import options_at_contours, relabelled
-from hypernode.identification.estimate import Estimate, Phases
+from hypernode.identification.contours import Options, options_at_contours, relabelled
+from hypernode.identification.estimate import Estimate
+from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.gauss_newton import first_field, objective_at_end
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
@@ -150,10 +151,10 @@ def _with_materials(found: Estimate) -> Estimate:
         return objective.misfits(each.states, linear.sigma, linear) + held
 
     for _ in range(strategy.phase_steps):
-        linear, columns, better = found.linear, found.phases.columns, None
-        gradient = columns.T @ (_pull(found, linear) + objective.ridge * (found.params.ravel() - objective.centre))
-        curvature = columns.T @ linear.curvature(columns.toarray())
-        curvature += (columns.T @ scipy.sparse.diags(objective.ridge) @ columns).toarray()
+        linear, better = found.linear, None
+        equations = MaterialEquations(linear.curvature, found.phases, objective.ridge)
+        pull = _pull(found, linear) + objective.ridge * (found.params.ravel() - objective.centre)
+        gradient, curvature = equations.columns.T @ pull, equations.matrix
         for damping in strategy.phase_damping:
             change = -np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), gradient)
             if -0.5 * gradient @ change < strategy.phase_gain:
@@ -204,7 +205,7 @@ def _with_contours(found: Estimate) -> Estimate | None:
     return moved and _with_materials(moved)
 
 
-def _changes(phases: Phases, options) -> scipy.sparse.csc_matrix:
+def _changes(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
     """What every option changes of the flattened field (parameter, option)."""
     change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
     number, count = change.shape
@@ -215,17 +216,12 @@ def _changes(phases: Phases, options) -> scipy.sparse.csc_matrix:
 
 def _quadratic(found: Estimate, linear, changes: scipy.sparse.csc_matrix):
     """(gradient, curvature) of the misfit by options, where the materials of the phases follow what is chosen."""
-    objective, columns = found.objective, found.phases.columns
     pull, at_once = _pull(found, linear), found.problem.strategy.columns_at_once
-
-    def curvature_of(matrix):
-        blocks = range(0, matrix.shape[1], at_once)
-        return [linear.nearly_curvature(matrix[:, k : k + at_once].toarray()) for k in blocks]
-
-    by_materials = np.concatenate(curvature_of(columns), axis=1)
-    materials = columns.T @ by_materials + (columns.T @ scipy.sparse.diags(objective.ridge) @ columns).toarray()
-    crossed = changes.T @ by_materials
-    followed = np.linalg.solve(materials, crossed.T)
-    curvature = np.concatenate([changes.T @ block for block in curvature_of(changes)], axis=1) - crossed @ followed
-    gradient = changes.T @ pull - followed.T @ (columns.T @ pull)
+    blocks = [changes[:, k : k + at_once].toarray() for k in range(0, changes.shape[1], at_once)]
+    curvature = np.concatenate([changes.T @ linear.nearly_curvature(block) for block in blocks], axis=1)
+    equations = MaterialEquations(linear.nearly_curvature, found.phases, found.objective.ridge)
+    crossed = changes.T @ equations.by_cells
+    followed = np.linalg.solve(equations.matrix, crossed.T)
+    curvature -= crossed @ followed
+    gradient = changes.T @ pull - followed.T @ (equations.columns.T @ pull)
     return gradient, 0.5 * (curvature + curvature.T)

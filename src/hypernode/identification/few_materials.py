@@ -1,0 +1,69 @@
+"""A field of a few materials, and how these answer to data while the contours between them stay."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.csgraph
+from jaxtyping import Float, Int
+
+from hypernode.fem.mesh import Mesh
+
+
+@dataclasses.dataclass(frozen=True)
+class Phases:
+    """A field of a few materials.
+
+    Attributes:
+        labels: number of every cell's phase (cell,).
+        materials: parameters of every phase (phase, parameter).
+    """
+
+    labels: Int[np.ndarray, " cell"]
+    materials: Float[np.ndarray, "phase parameter"]
+
+    @property
+    def params(self) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of every cell."""
+        return self.materials[self.labels]
+
+    @property
+    def columns(self) -> scipy.sparse.csc_matrix:
+        """Derivative of the flattened field by the flattened materials (cell x parameter, phase x parameter)."""
+        cells, count = len(self.labels), self.materials.shape[1]
+        of_phase = (np.ones(cells), (np.arange(cells), self.labels))
+        member = scipy.sparse.csr_matrix(of_phase, (cells, len(self.materials)))
+        return scipy.sparse.kron(member, scipy.sparse.identity(count), format="csc")
+
+    def regions(self, mesh: Mesh) -> int:
+        """How many regions of touching cells of one phase there are."""
+        pairs = mesh.touching()
+        alike = pairs[self.labels[pairs[:, 0]] == self.labels[pairs[:, 1]]]
+        joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(self.labels),))
+        return int(scipy.sparse.csgraph.connected_components(joined, directed=False, return_labels=False))
+
+
+class MaterialEquations:
+    """C^T (J^T J + ridge) C y = C^T b for the numbers y of the materials of phases with columns C.
+
+    Attributes:
+        columns: C.
+        by_cells: J^T J C (cell x parameter, phase x parameter).
+        matrix: C^T (J^T J + ridge) C.
+
+    Args:
+        curvature: x -> J^T J x.
+        phases: whose materials follow, and whose contours do not.
+        ridge: by parameter of the cells.
+    """
+
+    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
+        self.columns = phases.columns
+        self.by_cells = curvature(self.columns.toarray())
+        held = self.columns.T @ scipy.sparse.diags(ridge) @ self.columns
+        self.matrix = self.columns.T @ self.by_cells + held.toarray()
+
+    def solve_columns(self, b, rtol: float, iterations: int):
+        """How the field answers to the columns of ``b`` (cell x parameter, k); neither bound is needed, it is exact."""
+        return self.columns @ np.linalg.solve(self.matrix, self.columns.T @ b)
