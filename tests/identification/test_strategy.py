@@ -266,6 +266,16 @@ def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_
     assert kept.problem.basis.terms == (("fibre", "I1_squared") if kept.cost < alone.cost else ("fibre",))
 
 
+@pytest.mark.parametrize(("terms", "most"), [(["J"], 100), (["I1_squared"], 30)], ids=["compressible", "many cells"])
+def test_further_terms_are_tried_where_no_field_of_the_stiffness_alone_was_made_before(terms, most):
+    """Neither a sheet whose volume may change nor a grid that began from a coarser one has such a field."""
+    data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), values=(("log1p_I1_squared", 1.5),))
+    further = "I1_squared" if terms == ["J"] else "I2"
+    settings = Constrained(terms=terms, isotropic_terms=[], further_terms=[further], iterations=2)
+    found = identify(data, settings, "square", dataclasses.replace(STRATEGY, most_cells_at_once=most))
+    assert found.unexplained > 1.0 and set(terms) <= set(found.problem.basis.terms) <= {*terms, further}
+
+
 @pytest.mark.slow
 def test_cells_that_an_interface_cuts_are_divided_where_the_data_are_good_enough():
     """Where half a cell is stiff, the undivided one is neither; its parts are."""

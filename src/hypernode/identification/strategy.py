@@ -84,7 +84,7 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = strategy.further_plateaus if settings.further_terms else ()
-    coarse = on_coarser_grid(measurement, settings, name, strategy)
+    plain, coarse = None, on_coarser_grid(measurement, settings, name, strategy)
     if coarse is None:
         # A coarse grid has the forces of the finer one.
         check_forces(problem_of, settings, name)
@@ -117,7 +117,9 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     if settings.further_terms and found.underfitted:
         terms, last = [*settings.terms, *settings.further_terms], strategy.last_term
         soon = [term for term in terms if term != last]
-        tried = [found, with_terms(soon, plain, further if last in terms else ())]
+        # From the field with the fewest terms; one whose terms are others is no beginning.
+        begun = next((each for each in (plain, *tried) if each and set(each.problem.basis.terms) <= set(soon)), None)
+        tried = [found, with_terms(soon, begun, further if last in terms else ())]
         if last in terms:
             tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(*tried)
