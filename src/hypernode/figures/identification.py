@@ -44,15 +44,16 @@ def _forces(axes, data, units):
     measured, drawn = data["edge_force"].values, []
     for edge, name in enumerate(EDGES):
         for i, component in enumerate("xy"):
-            size = np.abs(measured[:, edge, i])
-            if name not in ("right", "top") or not np.isfinite(size).any():
+            force = np.abs(measured[:, edge, i])
+            if name not in ("right", "top") or not np.isfinite(force).any():
                 continue
-            if np.nanmax(size) < NO_FORCE * np.nanmax(np.abs(measured)):
+            if np.nanmax(force) < NO_FORCE * np.nanmax(np.abs(measured)):
                 continue
-            colour = (NEUTRAL, SECOND)[len(drawn) % 2]
+            # In two sizes, since two edges of an equibiaxial test may carry the same.
+            colour, size = ((NEUTRAL, 6.5), (SECOND, 4.0))[len(drawn) % 2]
             for variable, (marker, _) in FORCES.items():
                 values = data[variable].values[:, edge, i]
-                axes.plot(data["stretch"].values, values, marker, color=colour, ms=4, mfc="none", lw=0)
+                axes.plot(data["stretch"].values, values, marker, color=colour, ms=size, mfc="none", lw=0)
             drawn.append(Line2D([], [], color=colour, lw=3, label=f"$f_{component}$, {name} edge"))
     kinds = [
         Line2D([], [], color="black", marker=marker, ms=4, mfc="none", lw=0, label=words)
@@ -63,7 +64,9 @@ def _forces(axes, data, units):
     axes.margins(x=0.12)
     axes.locator_params(axis="x", nbins=4)
     from_zero(axes)
-    axes.set_ylim(top=axes.get_ylim()[1] + 0.6 * np.ptp(axes.get_ylim()))
+    # Each line of the legend takes a ninth of the height, above the largest force.
+    lines = len(kinds) + len(drawn)
+    axes.set_ylim(top=axes.get_ylim()[1] + np.ptp(axes.get_ylim()) * lines / (9.0 - lines))
     axes.legend(handles=[*kinds, *drawn], loc="upper left")
 
 
