@@ -117,13 +117,17 @@ def _identified(measurement, settings: Constrained, name: str, strategy: Strateg
     if settings.further_terms and found.underfitted:
         terms, last = [*settings.terms, *settings.further_terms], strategy.last_term
         soon = [term for term in terms if term != last]
-        # From the field with the fewest terms; one whose terms are others is no beginning.
-        begun = next((each for each in (plain, *tried) if each and set(each.problem.basis.terms) <= set(soon)), None)
+        begun = _beginning([plain, *tried], soon)
         tried = [found, with_terms(soon, begun, further if last in terms else ())]
         if last in terms:
             tried.append(with_terms(terms, tried[-1], ()))
         found = likeliest(*tried)
     return _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+
+
+def _beginning(tried: list[Estimate | None], terms: list[str]) -> Estimate | None:
+    """The first of some fields that a descent with these terms may begin from: one with none but them."""
+    return next((each for each in tried if each and set(each.problem.basis.terms) <= set(terms)), None)
 
 
 def _settled(
