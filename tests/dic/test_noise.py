@@ -1,5 +1,7 @@
 """Noise of displacements, measured from themselves: on fields of which noise and deformation are known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
@@ -9,6 +11,7 @@ from hypernode.dic.noise.correlation import independent_factor
 from hypernode.dic.noise.estimate import estimate_noise
 from hypernode.dic.noise.local import _told
 from hypernode.dic.noise.static import frames_at_rest
+from hypernode.dic.noise.steps import noise_of
 
 POINTS = 50
 #: Of a sheet of size 1.
@@ -206,3 +209,35 @@ def test_a_frame_whose_deformation_hides_its_noise_is_as_noisy_as_the_others():
     np.testing.assert_array_equal(_told(level)[1:], [[2.0, 2.0], [1.0, 3.0], [3.0, 4.0]])
     np.testing.assert_array_equal(_told(np.array([[0.0, 0.0], [0.0, 2.0]])), [[2.0, 2.0], [2.0, 2.0]])
     np.testing.assert_array_equal(_told(np.zeros((2, 2))), np.zeros((2, 2)))
+
+
+def imported(displacement):
+    """The noise of frames that are all load steps, of a test in mm that states none."""
+    frames = [SimpleNamespace(displacement=each, number=k) for k, each in enumerate(displacement)]
+    test = SimpleNamespace(stated_noise=lambda mm: None, folder="sheet")
+    return noise_of(test, SimpleNamespace(frames=frames), np.arange(len(frames)), 1.0)
+
+
+def kinked(steps: int = 5):
+    """A sheet of stiff grains: every line of points strains otherwise, and by another power of the load."""
+    X, Y = np.meshgrid(np.linspace(0.0, 1.0, POINTS), np.linspace(0.0, 1.0, POINTS))
+    random, load = np.random.default_rng(3), np.linspace(0.2, 1.0, steps)
+    first, second = np.cumsum(random.choice([0.02, 1.0], (2, POINTS, POINTS, 2)), axis=1) * 0.3 / POINTS
+    smooth = np.stack([X * Y, Y], axis=-1)
+    return np.stack([0.3 * s * smooth + s * first + 0.2 * s**2 * second for s in load])
+
+
+@pytest.mark.parametrize(("level", "length"), [(1e-5, 0.0), (1e-5, 1.0), (3e-5, 0.0)])
+def test_what_all_steps_share_of_a_sheet_that_is_rough_itself_is_no_noise(level, length):
+    found = imported(kinked() + level * noise(16, 5, length))
+    np.testing.assert_allclose(found.scatter, level, rtol=0.25)
+    np.testing.assert_allclose(found.level, level * independent_factor(length), rtol=0.3)
+    assert "belongs to the sheet" in found.source
+
+
+def test_a_texture_that_misleads_every_picture_counts_as_noise():
+    """Nine tenths of the variance in common: the mean of all steps has as much of it as one."""
+    texture, own = noise(17, 1), noise(18, 5)
+    found = imported(loaded("smooth", 5) + SMALL * (np.sqrt(0.9) * texture + np.sqrt(0.1) * own))
+    np.testing.assert_allclose(found.scatter, SMALL, rtol=0.1)
+    np.testing.assert_allclose(found.level, SMALL * np.sqrt(1.0 + 4.0 * 0.9), rtol=0.1)

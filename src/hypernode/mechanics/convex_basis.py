@@ -44,8 +44,8 @@ from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
 ROUNDING = 0.02
-#: Length of the fibre vector below which they lose their alignment. It is as small as descents bear: weak fibres that are
-#: aligned less than they are, by a fiftieth, change the stress by more than noisy tests leave open.
+#: Length of the fibre vector below which they lose their alignment, a fifth of it: at all of it the stress of weak
+#: fibres was off by more than noisy tests leave open; a quarter of this one gave nothing more.
 TURNING = 0.004
 #: Coefficients below this size approach zero gradually. They vanish at finite parameters, not at minus
 #: infinity: logarithms stop a search that has to take a term away.

@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.noise.estimate import estimate_noise
-from hypernode.dic.noise.shared import as_independent, shared_by_steps
+from hypernode.dic.noise.shared import DEFORMATION, FEWEST_STEPS, as_independent, not_shared, shared_by_steps
 from hypernode.dic.series import Series
 from hypernode.progress import say
 
@@ -49,15 +49,20 @@ def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step
     # Frames at rest are among the first; the others matter as far as they are load steps.
     seen = [frame for k, frame in enumerate(series.frames) if k <= FIRST_FRAMES or frame.number in numbers]
     displacement = np.stack([frame.displacement for frame in seen]) * mm
-    estimate = estimate_noise(displacement)
     steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
     shared = shared_by_steps(displacement[steps])
-    scatter, equivalent = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
-    level = as_independent(equivalent, shared)
-    said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {level.min():.2g} to "
-    source = f"{said}{level.max():.2g} mm"
-    say("import", test.folder, source)
-    return StepNoise(scatter, level, source)
+    belongs = shared > DEFORMATION and len(steps) >= FEWEST_STEPS
+    estimate = estimate_noise(not_shared(displacement[steps]), static=()) if belongs else estimate_noise(displacement)
+    own = list(range(len(steps))) if belongs else steps
+    scatter, level = (_believed(values, own) for values in (estimate.level, estimate.equivalent))
+    if belongs:
+        said = f"load steps share {shared:.1%} of what is rough, which belongs to the sheet; the rest: {estimate} [mm]"
+    else:
+        level = as_independent(level, shared)
+        counted = f"{level.min():.2g} to {level.max():.2g} mm"
+        said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
+    say("import", test.folder, said)
+    return StepNoise(scatter, level, said)
 
 
 def _believed(values: Float[np.ndarray, "frame 2"], steps: list[int]) -> Float[np.ndarray, "step 2"]:
