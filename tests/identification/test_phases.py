@@ -14,7 +14,7 @@ from hypernode.identification.problem import field_problem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.identification.strategy import identify
 from hypernode.mechanics.loads import make_load
-from tests.sheets import sheet, square
+from tests.sheets import believed, observed_coarsely, sheet, square
 
 LINES = np.linspace(0.0, 1.0, 7)
 MESH = rectilinear(LINES, LINES)
@@ -160,3 +160,12 @@ def test_what_is_identified_of_a_noisy_sheet_of_two_materials_are_its_phases():
     found = identify(data, Constrained(terms=["I1_squared"]), "square")
     assert found.phases is not None and len(np.unique(found.params, axis=0)) == 2
     assert np.array_equal(found.phases.labels, square(mesh.centres).astype(int))
+
+
+def test_no_phases_are_looked_for_where_interfaces_may_cut_cells():
+    settings = Constrained(terms=[])
+    data, _ = observed_coarsely(8, square, make_load("equibiaxial", [1.05, 1.1]), 0.0)
+    problem = field_problem(believed(data, 1e-3).assign_attrs(grid="measured"), settings)
+    assert problem.sharp
+    found = descend(problem, settings, "sheet", None, (), settings.tolerance)
+    assert in_phases(found, "sheet") is found

@@ -27,7 +27,7 @@ from hypernode.verdict import Ending
 
 def in_phases(found: Estimate, name: str) -> Estimate:
     """The field of a few phases that explains a noisy test, if it is likelier than ``found``; otherwise ``found``."""
-    if not found.problem.sharp:
+    if not _may_be_phases(found.problem):
         return found
     best = _of_few_phases(found.objective, found.params, [state.u for state in found.states], name)
     if best is None or best.underfitted or found.information_criterion <= best.information_criterion:
@@ -40,11 +40,19 @@ def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate
 
     None where no such field explains a noisy test.
     """
-    if not problem.sharp:
+    if not _may_be_phases(problem):
         return None
     params, centre, guesses = first_field(problem, before)
     best = _of_few_phases(objective_at_end(problem, settings, centre), params, guesses, name)
     return None if best is None or best.ambiguous else best.after(before)
+
+
+def _may_be_phases(problem: FieldProblem) -> bool:
+    """Whether noise makes many minima, and every cell is of one material.
+
+    On an observed grid interfaces cut cells, which labels then bend the materials to explain.
+    """
+    return problem.sharp and problem.observations.own_grid
 
 
 def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate | None:
