@@ -7,14 +7,14 @@ import pytest
 
 TABLES = Path(__file__).resolve().parents[2] / "results" / "tables"
 #: Group -> largest median and largest value of the stress error [-] of its runs. Of one test they are what was aimed
-#: at; with three tests that would be 0.008 and 0.015, which weak fibres of GOH miss (docs/decisions/0056). Points gone
-#: wrong are taken up by single cells, and the verdict warns.
+#: at, but for single cells of X (docs/decisions/0056). Points gone wrong are taken up by single cells, and the verdict
+#: warns.
 BOUNDS = {
     "ring, one test": (0.010, 0.020),
-    "X, one test": (0.010, 0.020),
+    "X, one test": (0.010, 0.024),
     "P, one test": (0.010, 0.020),
-    "ring, three tests": (0.016, 0.022),
-    "X, three tests": (0.016, 0.022),
+    "ring, three tests": (0.008, 0.015),
+    "X, three tests": (0.008, 0.015),
     "P, three tests": (0.008, 0.015),
     "drifting load cell": (0.030, 0.040),
     "mistaken points": (0.054, 0.060),
