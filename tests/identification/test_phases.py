@@ -6,7 +6,7 @@ import scipy.sparse
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
-from hypernode.identification.contours import options_at_contours, relabelled
+from hypernode.identification.contours import ContourModel, doubtful, options_at_contours, relabelled
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.phases import in_phases, on_finer_grid
@@ -43,7 +43,7 @@ def cost_of(labels, first, options, gradient, curvature, lengths, between):
 @pytest.mark.parametrize("seed", range(5))
 def test_contours_end_where_no_cell_and_no_two_neighbours_would_lower_the_cost(seed):
     labels, options, *model = contours(seed)
-    end = relabelled(labels, options, *model, gain=1e-9)
+    end = relabelled(labels, ContourModel(options, *model), gain=1e-9)
     reached = cost_of(end, labels, options, *model)
     assert reached < cost_of(labels, labels, options, *model)
 
@@ -58,6 +58,20 @@ def test_contours_end_where_no_cell_and_no_two_neighbours_would_lower_the_cost(s
     assert min(changed(k) for k in free) > reached - 1e-6
     pairs = [pair for pair in options.pairs if set(pair) <= set(free) and len(set(options.cell[pair])) == 2]
     assert min(changed(*pair) for pair in pairs) > reached - 1e-6
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_doubtful_cells_are_those_whose_change_alone_costs_least(seed):
+    labels, options, *model = contours(seed)
+    start = cost_of(labels, labels, options, *model)
+    change = []
+    for cell, label in zip(options.cell, options.label, strict=True):
+        other = labels.copy()
+        other[cell] = label
+        change.append(cost_of(other, labels, options, *model) - start)
+    most = np.median(change)
+    chosen = doubtful(labels, ContourModel(options, *model), most)
+    np.testing.assert_allclose(np.array(change)[chosen], sorted(each for each in change if each < most))
 
 
 def test_a_cell_may_become_what_it_touches_and_nothing_else():

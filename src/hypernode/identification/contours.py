@@ -40,27 +40,46 @@ def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options
     return Options(cell, label, np.stack([near.row, near.col], axis=1))
 
 
-def relabelled(
-    labels: Int[np.ndarray, " cell"],
-    options: Options,
-    gradient: Float[np.ndarray, " option"],
-    curvature: Float[np.ndarray, "option option"],
-    lengths: scipy.sparse.csr_matrix,
-    between: Float[np.ndarray, "phase phase"],
-    gain: float,
-) -> Int[np.ndarray, " cell"]:
-    """The labels after every change of one option, or of two of neighbouring cells, that lowers the cost.
+@dataclass(frozen=True)
+class ContourModel:
+    """What changes of labels cost.
 
-    Args:
+    Attributes:
+        options: the changes.
         gradient, curvature: of the misfit by the options, as if they were real numbers from 0 to 1.
         lengths: length of interface between every two neighbours (cell, cell).
         between: what a unit of length between two phases costs.
+    """
+
+    options: Options
+    gradient: Float[np.ndarray, " option"]
+    curvature: Float[np.ndarray, "option option"]
+    lengths: scipy.sparse.csr_matrix
+    between: Float[np.ndarray, "phase phase"]
+
+
+def doubtful(labels: Int[np.ndarray, " cell"], model: ContourModel, most: float) -> Int[np.ndarray, " chosen"]:
+    """Options that would raise the cost by less than ``most`` each, the one that would least first."""
+    options, each = model.options, np.arange(len(model.options.cell))
+    around = model.lengths[options.cell] @ model.between[labels]
+    jumps = around[each, options.label] - around[each, labels[options.cell]]
+    change = model.gradient + 0.5 * np.diag(model.curvature) + jumps
+    order = np.argsort(change, kind="stable")
+    return order[change[order] < most]
+
+
+def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel, gain: float) -> Int[np.ndarray, " cell"]:
+    """The labels after every change of one option, or of two of neighbouring cells, that lowers the cost.
+
+    Args:
+        model: what changes of these labels cost.
         gain: what a change must lower the cost by.
     """
+    options, curvature, between = model.options, model.curvature, model.between
     labels, first = labels.copy(), labels
     taken = np.zeros(len(options.cell), dtype=bool)
-    gradient, own, (one, other) = gradient.copy(), 0.5 * np.diag(curvature), options.pairs.T
-    rows = lengths[options.cell]
+    gradient, own, (one, other) = model.gradient.copy(), 0.5 * np.diag(curvature), options.pairs.T
+    rows = model.lengths[options.cell]
     shared = np.asarray(rows[one, options.cell[other]]).ravel()
     each = np.arange(len(taken))
     while len(taken):

@@ -15,7 +15,7 @@ from skimage.filters import threshold_otsu
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.contours import Options, options_at_contours, relabelled
+from hypernode.identification.contours import ContourModel, Options, doubtful, options_at_contours, relabelled
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.gauss_newton import first_field, objective_at_end
@@ -130,7 +130,7 @@ def _settled(start: Estimate, name: str) -> Estimate:
     ending = Ending.OUT_OF_ITERATIONS
     for _ in range(strategy.phase_rounds):
         moved = _with_contours(found)
-        if moved is None or found.cost - moved.cost < strategy.phase_gain:
+        if moved is None:
             ending = Ending.CONVERGED
             break
         gained, found = found.cost - moved.cost, moved.after(found)
@@ -183,7 +183,8 @@ def _with_contours(found: Estimate) -> Estimate | None:
     """Phases whose contours have moved to where they cost least, and their materials; None where none would move.
 
     The misfit is linearised where every cell that may change is half-way, so that the quadratic model holds on both
-    sides; in it the materials follow the contours.
+    sides; in it the materials follow the contours. Where it has nothing more to offer, the single cells of which it is
+    least sure are changed in earnest, the most doubtful first.
     """
     objective, problem, phases = found.objective, found.problem, found.phases
     options = options_at_contours(problem.mesh, phases.labels)
@@ -197,19 +198,29 @@ def _with_contours(found: Estimate) -> Estimate | None:
     if states is None:
         return None
     linear = problem.linearise(half_way, states, problem.sigma)
-    gradient, curvature = _quadratic(found, linear, _changes(phases, options))
-    labels = relabelled(
-        phases.labels,
+    model = ContourModel(
         options,
-        gradient,
-        curvature,
+        *_quadratic(found, linear, _changes(phases, options)),
         objective.regulariser.lengths(objective.jump_cost),
         objective.regulariser_weight * objective.regulariser.between(phases.materials, objective.jump_cost),
-        problem.strategy.phase_gain,
     )
-    if np.array_equal(labels, phases.labels) or len(np.unique(labels)) < len(phases.materials):
+    moved = _relabelled(found, relabelled(phases.labels, model, problem.strategy.phase_gain))
+    if moved is not None and found.cost - moved.cost >= problem.strategy.phase_gain:
+        return moved
+    for option in doubtful(phases.labels, model, problem.strategy.phase_doubt)[: problem.strategy.phase_trials]:
+        labels = phases.labels.copy()
+        labels[options.cell[option]] = options.label[option]
+        moved = _relabelled(found, labels)
+        if moved is not None and found.cost - moved.cost >= problem.strategy.phase_gain:
+            return moved
+    return None
+
+
+def _relabelled(found: Estimate, labels: Int[np.ndarray, " cell"]) -> Estimate | None:
+    """The same with other labels, and the materials that follow; None where these are no others, or lose a phase."""
+    if np.array_equal(labels, found.phases.labels) or len(np.unique(labels)) < len(found.phases.materials):
         return None
-    moved = _reached(objective, dataclasses.replace(phases, labels=labels), found)
+    moved = _reached(found.objective, dataclasses.replace(found.phases, labels=labels), found)
     return moved and _with_materials(moved)
 
 

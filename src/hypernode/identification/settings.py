@@ -165,6 +165,10 @@ class Strategy:
     phase_steps: int = 12
     #: What a step of the materials must gain, and moved contours: a twentieth of what chance changes a cost by.
     phase_gain: float = 0.05
+    #: What the model of the misfit is wrong by for a single cell: up to which cost cells are doubtful, and how many of
+    #: these are tried. Of ten noisy X one kept a wrong cell, whose change should have cost 4.4 and gains 0.8.
+    phase_doubt: float = 5.0
+    phase_trials: int = 20
     #: Share of what is left above noise that contours must explain in a round while the test is not explained. Those of
     #: a coarser grid explain most of it, those of a stiffness that changes gradually a tenth.
     phase_share: float = 0.25
