@@ -235,6 +235,12 @@ def test_what_all_steps_share_of_a_sheet_that_is_rough_itself_is_no_noise(level,
     assert "belongs to the sheet" in found.source
 
 
+def test_errors_of_the_reference_which_do_not_grow_with_the_load_are_noise():
+    found = imported(loaded("smooth", 5) + SMALL * noise(19, 1))
+    np.testing.assert_allclose(found.scatter, SMALL, rtol=0.1)
+    np.testing.assert_allclose(found.level, SMALL * np.sqrt(5.0), rtol=0.1)
+
+
 def test_a_texture_that_misleads_every_picture_counts_as_noise():
     """Nine tenths of the variance in common: the mean of all steps has as much of it as one."""
     texture, own = noise(17, 1), noise(18, 5)

@@ -11,6 +11,11 @@ from hypernode.dic.noise.local import STENCIL
 DEFORMATION = 0.97
 #: Steps that tell what a step does not share with the others.
 FEWEST_STEPS = 3
+#: Power of the size of the displacement with which deformation grows at least. It is 1, or a little less where stiff
+#: grains give way; errors of the reference are the same in every step.
+GROWTH = 0.5
+#: Ratio of the displacements of two steps from which growth is seen.
+APART = 1.5
 
 
 def fine(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarray, "step value"]:
@@ -37,6 +42,22 @@ def shared_by_steps(displacement: Float[np.ndarray, "step row column 2"]) -> flo
             if both.any():
                 found.append(np.sin(0.5 * np.pi * np.mean(np.sign(values[a][both] * values[b][both]))))
     return float(np.clip(np.mean(found), 0.0, 1.0)) if found else 0.0
+
+
+def belongs_to_the_sheet(displacement: Float[np.ndarray, "step row column 2"], shared: float) -> bool:
+    """Whether what is rough in load steps is deformation: they share it, and it grows with the displacement.
+
+    Args:
+        shared: mean correlation of the fine errors of two steps.
+    """
+    if len(displacement) < FEWEST_STEPS or shared <= DEFORMATION:
+        return False
+    size = np.nanstd(displacement, axis=(1, 2)).max(axis=1)
+    rough = np.sqrt(np.nanmean(fine(displacement) ** 2, axis=1))
+    least, most = np.argmin(size), np.argmax(size)
+    if not 0.0 < APART * size[least] < size[most]:
+        return False
+    return bool(rough[most] > rough[least] * (size[most] / size[least]) ** GROWTH)
 
 
 def as_independent(level: Float[np.ndarray, "step 2"], shared: float) -> Float[np.ndarray, "step 2"]:

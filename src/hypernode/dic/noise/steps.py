@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.noise.estimate import estimate_noise
-from hypernode.dic.noise.shared import DEFORMATION, FEWEST_STEPS, as_independent, not_shared, shared_by_steps
+from hypernode.dic.noise.shared import as_independent, belongs_to_the_sheet, not_shared, shared_by_steps
 from hypernode.dic.series import Series
 from hypernode.progress import say
 
@@ -51,7 +51,7 @@ def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step
     displacement = np.stack([frame.displacement for frame in seen]) * mm
     steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
     shared = shared_by_steps(displacement[steps])
-    belongs = shared > DEFORMATION and len(steps) >= FEWEST_STEPS
+    belongs = belongs_to_the_sheet(displacement[steps], shared)
     estimate = estimate_noise(not_shared(displacement[steps]), static=()) if belongs else estimate_noise(displacement)
     own = list(range(len(steps))) if belongs else steps
     scatter, level = (_believed(values, own) for values in (estimate.level, estimate.equivalent))
