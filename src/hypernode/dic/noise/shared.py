@@ -79,8 +79,7 @@ def not_shared(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np
         values = fine(each[..., None])
         values = values[:, np.isfinite(values).all(axis=0)]
         for step in range(count):
-            nearest = sorted((other for other in range(count) if other != step), key=lambda other: abs(other - step))
-            beside = nearest[:2]
+            beside = np.argsort(np.abs(np.arange(count) - step), kind="stable")[1:3]
             shares = np.linalg.lstsq(values[beside].T, values[step], rcond=None)[0]
             rest = each[step] - np.tensordot(shares, each[beside], 1)
             left[step, ..., component] = rest / np.hypot(1.0, np.linalg.norm(shares))

@@ -52,9 +52,11 @@ def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step
     steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
     shared = shared_by_steps(displacement[steps])
     belongs = belongs_to_the_sheet(displacement[steps], shared)
-    estimate = estimate_noise(not_shared(displacement[steps]), static=()) if belongs else estimate_noise(displacement)
-    own = list(range(len(steps))) if belongs else steps
-    scatter, level = (_believed(values, own) for values in (estimate.level, estimate.equivalent))
+    static = None
+    if belongs:
+        displacement, steps, static = not_shared(displacement[steps]), list(range(len(steps))), ()
+    estimate = estimate_noise(displacement, static)
+    scatter, level = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
     if belongs:
         said = f"load steps share {shared:.1%} of what is rough, which belongs to the sheet; the rest: {estimate} [mm]"
     else:
