@@ -13,6 +13,7 @@ from hypernode.dic.specimen import import_specimen
 from hypernode.dic.writing import write_force_record, write_series
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.stages import import_dic
+from hypernode.stages.imported_sheet import variables_of
 from hypernode.storage.netcdf import read
 
 WIDTH, HEIGHT, THICKNESS = 12.0, 9.0, 2.0
@@ -180,6 +181,21 @@ def test_noise_that_nobody_states_is_that_of_the_frames(tmp_path):
     sheet = imported(test, noise_mm=None)
     np.testing.assert_allclose(sheet.cases[0].noise.scatter, np.tile(noise, (3, 1)), rtol=0.15)
     assert "local fit" in sheet.cases[0].noise.source
+
+
+def test_what_frames_tell_is_kept_beside_a_noise_that_is_stated(tmp_path):
+    random = np.random.default_rng(2)
+    fine = np.linspace(0.0, WIDTH, 41), np.linspace(0.0, HEIGHT, 31)
+    test = written(tmp_path, "biaxial", *fine, lambda u: u + random.normal(0.0, 0.004, u.shape))
+    variables = variables_of(imported(test, noise_mm=0.01), np.zeros(2))
+    assert (variables["noise_level"] == 0.01).all() and (variables["noise_scatter"] == 0.01).all()
+    np.testing.assert_allclose(variables["frames_noise_scatter"], 0.004, rtol=0.15)
+
+
+def test_points_too_few_to_tell_their_noise_take_the_stated_one(tmp_path):
+    few = np.linspace(0.0, WIDTH, 5), np.linspace(0.0, HEIGHT, 5)
+    variables = variables_of(imported(written(tmp_path, "biaxial", *few), noise_mm=0.01, edge_ring=0), np.zeros(2))
+    assert (variables["noise_level"] == 0.01).all() and "frames_noise_level" not in variables
 
 
 def test_errors_that_every_frame_repeats_count_as_larger_ones(tmp_path):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.polish import score_polish
 from hypernode.evaluation.region import score_region
@@ -116,6 +117,17 @@ def test_the_misfit_of_noise_may_exceed_one_by_chance_and_no_more(measurement):
         (2.01, Level.FAILED),
     ):
         assert level(judged(measurement, displacement_misfit=misfit), "displacements") is wanted
+
+
+@pytest.mark.parametrize(
+    ("noise", "said"),
+    [(BelievedNoise(factor=0.3), "0.3 times what was believed"), (BelievedNoise(NoiseSource.FRAMES), "not as stated")],
+)
+def test_a_field_of_another_noise_than_was_believed_warns_though_it_explains_the_test(measurement, noise, said):
+    field = constrained().assign_attrs(noise.stored())
+    found = criterion(judged(measurement, field), "displacements")
+    assert found.level is Level.WARNED and said in found.sentence
+    assert level(judged(measurement, field, displacement_misfit=2.1), "displacements") is Level.FAILED
 
 
 def test_steps_that_are_left_out_are_predicted_or_the_worse_of_displacements_and_forces_says_by_how_much_not(

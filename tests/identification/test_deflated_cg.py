@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse
 
+from hypernode.identification import deflated_cg
 from hypernode.identification.deflated_cg import DeflatedCG
 
 KEPT = 40
@@ -55,6 +56,19 @@ def test_the_kept_directions_span_those_that_the_preconditioner_misses(counted):
     missed = np.linalg.qr(vectors[:, values > 100.0])[0]
     cosines = np.linalg.svd(np.linalg.qr(known)[0].T @ missed, compute_uv=False)
     assert missed.shape[1] == 10 and cosines.min() > 0.9999
+
+
+def test_a_search_of_which_little_is_remembered_keeps_the_worst_directions_as_well(monkeypatch):
+    monkeypatch.setattr(deflated_cg, "REMEMBERED", 0)
+    rng, kept = np.random.default_rng(2), 6
+    matrix = next(systems(rng, 1, outliers=4))[1]
+    metric = scipy.sparse.identity(len(matrix)).tocsc()
+    solution = DeflatedCG(lambda x: matrix @ x, metric, kept).solve(rng.normal(size=len(matrix)), 1e-10, 500)
+    assert solution.iterations > 3 * kept, "more than are remembered"
+    values, vectors = scipy.linalg.eigh(matrix, metric.toarray())
+    missed = np.linalg.qr(vectors[:, values > 100.0])[0]
+    cosines = np.linalg.svd(np.linalg.qr(solution.deflation)[0].T @ missed, compute_uv=False)
+    assert solution.deflation.shape[1] <= kept and missed.shape[1] == 4 and cosines.min() > 0.999
 
 
 def test_a_right_hand_side_of_zero_has_the_solution_zero_and_teaches_nothing(counted):

@@ -49,11 +49,6 @@ def scatter_of_steps(measurement: xr.Dataset) -> Float[np.ndarray, "step 2"]:
     return measurement["noise_scatter"].values / np.sqrt(measurement.sizes["repeat"])
 
 
-def with_independent_errors(measurement: xr.Dataset) -> xr.Dataset:
-    """The same where no error is shared."""
-    return measurement.assign(noise_level=measurement["noise_scatter"])
-
-
 def relaxation(measurement: xr.Dataset) -> Float[np.ndarray, "step 1 1"]:
     """Recorded over elastic force of each step, for the components of every edge."""
     return measurement["relaxation"].values[:, None, None]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
+from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.measurement import is_cut_out
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
@@ -90,6 +91,22 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
     observed = int(constrained.attrs["observed_displacements"])
     noisy = json.loads(constrained.attrs["noise_rules_displacements"])
     value = float(summary["displacement_misfit"])
+    judged = _misfit(name, value, noisy, observed, settings)
+    believed = BelievedNoise.read(constrained.attrs)
+    if judged.level is not Level.PASSED:
+        return judged
+    if believed.factor < 1.0:
+        sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
+        return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
+    if believed.source is NoiseSource.FRAMES:
+        sentence = (
+            "The noise is not as stated, as frames and field agree; the field was identified with what they tell."
+        )
+        return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
+    return judged
+
+
+def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Settings) -> Criterion:
     words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
     if noisy and value < settings.misfit_low:
         sentence = (

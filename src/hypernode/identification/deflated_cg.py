@@ -21,17 +21,26 @@ from hypernode.fem.factors import factorise
 REDUNDANT = 1e-8
 
 
-def worst_directions(directions, products, metric, kept: int) -> Float[np.ndarray, "n kept"]:
-    """Of the span of some directions what a preconditioner misses most (Rayleigh and Ritz).
+#: Memory of the directions and products that a solve remembers [bytes]. 200 of 100 x 100 cells take as much; of more
+#: cells, the worst of them take the place of all.
+REMEMBERED = 384 * 2**20
+
+
+def worst_directions(directions, products, metric, kept: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the span of some directions what a preconditioner misses most (Rayleigh and Ritz), and its products.
 
     Args:
         directions: (n, direction).
         products: the system's matrix times each of them.
         metric: the matrix that the preconditioner inverts.
         kept: how many directions at most.
+
+    Returns:
+        Two arrays (n, kept).
     """
     scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", directions, products))
-    directions, curvature = directions * scale, directions.T @ products * np.outer(scale, scale)
+    curvature = directions.T @ products * np.outer(scale, scale)
+    directions = directions * scale
     weight, vectors = scipy.linalg.eigh((curvature + curvature.T) / 2)
     told = weight > REDUNDANT * weight[-1]
     whiten = vectors[:, told] / np.sqrt(weight[told])
@@ -42,7 +51,42 @@ def worst_directions(directions, products, metric, kept: int) -> Float[np.ndarra
         left = len(inverse) - kept
         low = np.argmin(inverse[left - 1 :] / inverse[: kept + 1])
         vectors = np.delete(vectors, np.s_[low : low + left], axis=1)
-    return directions @ (whiten @ vectors)
+    combined = whiten @ vectors
+    return directions @ combined, products @ (scale[:, None] * combined)
+
+
+class SearchDirections:
+    """What a solve remembers of its search: directions and the matrix times each of them.
+
+    Args:
+        metric: the matrix that the preconditioner inverts.
+        kept: how many directions are wanted in the end.
+        most: how many are remembered at a time; beyond, the worst ``kept`` take the place of all.
+    """
+
+    def __init__(self, metric, kept: int, most: int):
+        self._metric, self._kept, self._most = metric, kept, most
+        self._directions, self._products = [], []
+
+    def add(self, direction: Float[np.ndarray, " n"], product: Float[np.ndarray, " n"]) -> None:
+        """Remember one more."""
+        if len(self._directions) >= self._most:
+            worst = worst_directions(*self._together(), self._metric, self._kept)
+            self._directions, self._products = (list(each.T.copy()) for each in worst)
+        self._directions.append(direction.copy())
+        self._products.append(product)
+
+    def _together(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.stack(self._directions, axis=1), np.stack(self._products, axis=1)
+
+    def worst(self, deflation, image) -> Float[np.ndarray, "n kept"] | None:
+        """The worst among them and earlier ones with their products; the latter if there are none."""
+        if not self._directions:
+            return deflation
+        parts = self._together()
+        if deflation is not None:
+            parts = [np.concatenate(each, axis=1) for each in zip((deflation, image), parts, strict=True)]
+        return worst_directions(*parts, self._metric, self._kept)[0]
 
 
 class Solution(NamedTuple):
@@ -80,8 +124,8 @@ class DeflatedCG:
     ):
         self._product, self._metric, self._kept, self._deflation = product, metric, kept, deflation
         self._factors = factorise(metric)
+        self._image = None if deflation is None else product(deflation)
         if deflation is not None:
-            self._image = product(deflation)
             coarse = deflation.T @ self._image
             self._coarse = scipy.linalg.inv((coarse + coarse.T) / 2)
 
@@ -99,18 +143,23 @@ class DeflatedCG:
         Args:
             learn: whether a further system follows, for which the worst directions are kept.
         """
-        searched = []
+        most = max(3 * self._kept, REMEMBERED // (2 * b.nbytes))
+        searched, count = SearchDirections(self._metric, self._kept, most), 0
 
         def product(x):
-            searched.append((x.copy(), self._product(x)))
-            return searched[-1][1]
+            nonlocal count
+            count += 1
+            image = self._product(x)
+            if learn:
+                searched.add(x, image)
+            return image
 
         shape = (len(b), len(b))
         A = scipy.sparse.linalg.LinearOperator(shape, product, dtype=float)
         M = scipy.sparse.linalg.LinearOperator(shape, self._precondition, dtype=float)
         x = scipy.sparse.linalg.cg(A, b, rtol=rtol, maxiter=iterations, M=M)[0]
         residual = np.linalg.norm(b - self._product(x)) / max(np.linalg.norm(b), np.finfo(float).tiny)
-        return Solution(x, float(residual), len(searched), self._worst(searched) if learn else None)
+        return Solution(x, float(residual), count, searched.worst(self._deflation, self._image) if learn else None)
 
     def solve_columns(self, b: Float[np.ndarray, "n k"], rtol: float, iterations: int) -> Float[np.ndarray, "n k"]:
         """A x = b of several columns at a time, for which products cost half; none learns of another."""
@@ -131,13 +180,3 @@ class DeflatedCG:
             p[:, active] = z + after / rho[active] * p[:, active]
             rho[active] = after
         return x
-
-    def _worst(self, searched) -> Float[np.ndarray, "n kept"] | None:
-        """What was worst among the deflated directions and those of a solve; the former if it had none."""
-        if not searched:
-            return self._deflation
-        parts = [np.stack(each, axis=1) for each in zip(*searched, strict=True)]
-        if self._deflation is not None:
-            before = self._deflation, self._image
-            parts = [np.concatenate(each, axis=1) for each in zip(before, parts, strict=True)]
-        return worst_directions(*parts, self._metric, self._kept)

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float, Int
 
+from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
 from hypernode.data.information import Information, information_of
 from hypernode.data.loading import Loading
@@ -73,6 +74,7 @@ class Observations:
         noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
         contested: whether it rules though it is the smaller of the two.
         noise_uncertainty: relative uncertainty of that noise.
+        believed_noise: which noise of the measurement it is.
         by_points: whether displacements of points were observed, and not grey levels of pictures.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
@@ -92,6 +94,7 @@ class Observations:
     noisy: bool
     contested: bool
     noise_uncertainty: float
+    believed_noise: BelievedNoise
     by_points: bool
     own_grid: bool
     window: float
@@ -145,10 +148,9 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     beside = floor if own_grid or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
     believed = np.hypot(levels, beside)
-    relative = believed / sigma
     spread = scatter_of_steps(measurement)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
-    each = zip(measured, prescribed, levels if information is None else spread, relative, strict=True)
+    each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
     scatter = float(np.sqrt(np.mean((np.hypot(spread, beside) / believed) ** 2)))
     if information is not None:
@@ -164,6 +166,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         noisy,
         noisy and noise < floor,
         noise_uncertainty(measurement),
+        BelievedNoise.read(measurement.attrs),
         information is None,
         own_grid,
         window,

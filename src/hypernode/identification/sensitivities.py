@@ -19,6 +19,9 @@ from hypernode.fem.factors import factorise
 
 #: Variance that errors of prescribed edges add to a combination of residuals, over its own, below which it is left out.
 NEGLIGIBLE_VARIANCE = 1e-2
+#: Errors of prescribed edges that are followed through the sheet at a time: all of 50 x 50 cells. Displacements of all
+#: at once would be the largest array of a large grid.
+ERRORS_AT_ONCE = 256
 
 
 def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
@@ -95,9 +98,12 @@ class StepJacobian:
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
         self.observed, self.parameters = observe.shape[0], B.shape[1]
-        du = errors.toarray()
-        du[free] = -self.factor.solve((rows @ errors).toarray())
-        A = np.concatenate([observe @ du, *(reaction[None] @ du for reaction in reactions)])
+        A = np.empty((observe.shape[0] + len(forces), errors.shape[1]))
+        for first in range(0, errors.shape[1], ERRORS_AT_ONCE):
+            some = errors[:, first : first + ERRORS_AT_ONCE]
+            du = some.toarray()
+            du[free] = -self.factor.solve((rows @ some).toarray())
+            A[:, first : first + ERRORS_AT_ONCE] = np.concatenate([observe @ du, *(r[None] @ du for r in reactions)])
         self._shared, self.variance = directions(A)
 
     def displacement(self, change):

@@ -54,6 +54,13 @@ class Strategy:
     #: Of fields on a grid of their own, times the number of cells along a side.
     cut_cells_floor: float = 0.065
     subcells_floor: float = 0.01
+    #: Share of the believed noise of displacements below which what a field leaves refutes it, and of what frames tell
+    #: below which theirs refutes a stated one: estimates of both are right to a fifth.
+    noise_refuted: float = 0.5
+    #: Share of the noise that frames tell, above which what a field leaves of the displacements confirms it.
+    frames_confirmed: float = 0.8
+    #: Largest share of noisy displacements that a field is taken to have fitted: more is not counted well.
+    most_taken_away: float = 0.9
     #: Misfit of the forces of one load case by the closest homogeneous material beyond which no sheet can have given
     #: them. Ogden, Gent and Fung sheets are missed by 7 % at most, heterogeneous ones by 3 %; a record that is
     #: constant by a quarter, one that is reversed, in another order or tenfold from a step on by more than a third.

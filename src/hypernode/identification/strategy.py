@@ -17,8 +17,8 @@ import sys
 from dataclasses import replace
 
 from hypernode.config.methods import Constrained
+from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.coarsening import coarsened
-from hypernode.data.measurement import with_independent_errors
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
@@ -30,6 +30,7 @@ from hypernode.identification.other_minima import (
 )
 from hypernode.identification.phases import in_phases, on_finer_grid
 from hypernode.identification.problem import field_problem
+from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.progress import say
 from hypernode.verdict import Ending
@@ -39,8 +40,9 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     """The material field that explains a measurement, or comes nearest to it; see :func:`_identified`.
 
     Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
-    deformation: then each counts as an independent one. Where noise does not explain what may as well be the error of
-    finite elements, that error counts beside it.
+    deformation: then each counts as an independent one. Where the field shows that noise is of another size than
+    believed, a field is identified with that. Where noise does not explain what may as well be the error of finite
+    elements, that error counts beside it.
 
     Args:
         measurement: an opened measurement.
@@ -54,7 +56,13 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
-        measurement = with_independent_errors(measurement)
+        measurement = BelievedNoise(NoiseSource.INDEPENDENT).of(measurement)
+        found = _identified(measurement, settings, name, strategy)
+    refuted = refuted_noise(found, measurement)
+    if refuted is not None:
+        misfit = found.misfits["displacement"]
+        say("constrained", name, f"misfit {misfit:.2g}: noise is not as believed; again with {refuted}")
+        measurement = refuted.of(measurement)
         found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.contested and found.unexplained > 1.0:
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")

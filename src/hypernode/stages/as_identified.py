@@ -5,7 +5,8 @@ import json
 import numpy as np
 
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import displacement_noise, with_independent_errors
+from hypernode.data.believed_noise import BelievedNoise
+from hypernode.data.measurement import displacement_noise
 from hypernode.errors import ExpectedError
 from hypernode.identification.problem import FieldProblem, problem_of_basis
 from hypernode.mechanics.point_law import PointLaw
@@ -33,12 +34,12 @@ def problem_as_identified(
         OtherUncertainty: no noise model of the measurement is that of the field.
     """
     sigma, noisy = float(field.attrs["displacement_sigma"]), json.loads(field.attrs["noise_rules_displacements"])
-    for taken in (measurement, with_independent_errors(measurement)):
-        # Where noise rules, the error of finite elements is known from the grid.
-        floor = None if noisy else float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
-        problem = problem_of_basis(taken, settings, law, subcells, floor=floor)
-        if abs(problem.sigma - sigma) <= ROUNDING * sigma:
-            return problem, taken
+    taken = BelievedNoise.read(field.attrs).of(measurement)
+    # Where noise rules, the error of finite elements is known from the grid.
+    floor = None if noisy else float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
+    problem = problem_of_basis(taken, settings, law, subcells, floor=floor)
+    if abs(problem.sigma - sigma) <= ROUNDING * sigma:
+        return problem, taken
     raise OtherUncertainty(
         f"the uncertainty of the displacements is another one than when the field was identified, {problem.sigma:.4g} "
         f"and {sigma:.4g}: run it again"

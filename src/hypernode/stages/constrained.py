@@ -55,6 +55,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
+            **problem.observations.believed_noise.stored(),
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
             "materials": 0 if found.phases is None else len(found.phases.materials),

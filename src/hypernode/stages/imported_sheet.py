@@ -5,6 +5,7 @@ from jaxtyping import Float
 
 from hypernode.config.specimen_tests import FORCE_ERRORS
 from hypernode.config.specimens import Specimen
+from hypernode.dic.noise.steps import StepNoise
 from hypernode.dic.specimen import ImportedSpecimen
 
 #: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
@@ -37,7 +38,18 @@ def variables_of(sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> di
         "relative_thickness": sheet.relative_thickness,
         "noise_scatter": np.concatenate([each.noise.scatter for each in sheet.cases]),
         "noise_level": np.concatenate([each.noise.level for each in sheet.cases]),
+        **_of_frames([each.noise for each in sheet.cases]),
         "camera_angle": np.degrees(np.concatenate([each.camera_angle for each in sheet.cases])),
+    }
+
+
+def _of_frames(noises: list[StepNoise]) -> dict[str, np.ndarray]:
+    """The noise that frames tell, of load cases of which one has another one stated; of the others their own."""
+    if all(noise.frames is None for noise in noises):
+        return {}
+    told = [noise.frames or noise for noise in noises]
+    return {
+        f"frames_noise_{key}": np.concatenate([getattr(each, key) for each in told]) for key in ("scatter", "level")
     }
 
 

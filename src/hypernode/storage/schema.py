@@ -122,6 +122,10 @@ VARIABLES = {
     "noise_level": Variable(
         ("load_step", "i"), "length", "that of independent errors which weigh as much as those that points share do"
     ),
+    "frames_noise_scatter": Variable(
+        ("load_step", "i"), "length", "noise_scatter as the frames tell it where another is stated"
+    ),
+    "frames_noise_level": Variable(("load_step", "i"), "length", "noise_level as the frames tell it, likewise"),
     "camera_angle": Variable(("load_step",), "degree", "angle of the camera since the reference, which was taken out"),
     "u_truth": Variable(("load_step", "node", "i"), "length", "displacement without noise"),
     "X_quadrature": Variable(("cell", "quadrature_point", "i"), "length", "quadrature points"),

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.errors import DicError
 from hypernode.dic.noise.estimate import estimate_noise
 from hypernode.dic.noise.shared import as_independent, belongs_to_the_sheet, not_shared, shared_by_steps
 from hypernode.dic.series import Series
@@ -23,11 +24,13 @@ class StepNoise:
         scatter: standard deviation of a displacement.
         level: that of independent errors which weigh as much as these do, shared by neighbouring points and by steps.
         source: where they are from, a sentence.
+        frames: what the frames tell where the configuration says another one; None where they tell nothing.
     """
 
     scatter: Float[np.ndarray, "step 2"]
     level: Float[np.ndarray, "step 2"]
     source: str
+    frames: "StepNoise | None" = None
 
 
 def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> StepNoise:
@@ -43,9 +46,24 @@ def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step
         DicError: none is stated, and the frames do not tell it.
     """
     stated = test.stated_noise(mm)
-    if stated is not None:
-        level = np.full((len(numbers), 2), stated)
-        return StepNoise(level, level, f"the configuration gives a noise of displacements of {stated:.3g} mm")
+    if stated is None:
+        noise = _of_frames(series, numbers, mm)
+        say("import", test.folder, noise.source)
+        return noise
+    level = np.full((len(numbers), 2), stated)
+    said = f"the configuration gives a noise of displacements of {stated:.3g} mm"
+    try:
+        return StepNoise(level, level, said, _of_frames(series, numbers, mm))
+    except DicError:
+        return StepNoise(level, level, said)
+
+
+def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> StepNoise:
+    """What the frames tell of it.
+
+    Raises:
+        DicError: they tell nothing.
+    """
     # Frames at rest are among the first; the others matter as far as they are load steps.
     seen = [frame for k, frame in enumerate(series.frames) if k <= FIRST_FRAMES or frame.number in numbers]
     displacement = np.stack([frame.displacement for frame in seen]) * mm
@@ -63,7 +81,6 @@ def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step
         level = as_independent(level, shared)
         counted = f"{level.min():.2g} to {level.max():.2g} mm"
         said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
-    say("import", test.folder, said)
     return StepNoise(scatter, level, said)
 
 
