@@ -1,5 +1,7 @@
 """Fields of a few phases: where they are the likelier ones, and contours that end where they cost least."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import scipy.sparse
@@ -7,6 +9,7 @@ import scipy.sparse
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.contours import ContourModel, doubtful, options_at_contours, relabelled
+from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.phases import in_phases, on_finer_grid
@@ -113,6 +116,24 @@ def test_a_noisy_sheet_of_two_materials_is_two_phases_with_every_cell_where_it_b
         return np.sqrt(np.mean((each.params[:, 0] - true[:, 0]) ** 2))
 
     assert error(phases) < 0.7 * error(found)
+
+
+def test_a_changed_cell_is_foreseen_to_gain_what_its_misfit_says_and_the_materials_that_follow():
+    found = in_phases(descended(square, Constrained(terms=["I1_squared"]), cells=10)[0], "sheet")
+    foresight, labels = Foresight(found), found.phases.labels.copy()
+    assert 0.0 <= foresight.gain(labels) < found.problem.strategy.phase_gain, "the materials have settled"
+    cell = int(np.flatnonzero(labels == 1)[0])
+    labels[cell] = 0
+    changed = dataclasses.replace(found.phases, labels=labels)
+    alone = found.cost - found.at(changed.params).cost
+    # The same by materials that are moved in earnest, in the direction that is best to first order.
+    gain, best = foresight.gain(labels), -np.inf
+    for factor in (0.98, 0.99, 1.0, 1.01):
+        materials = changed.materials + np.log(factor) * (np.arange(2)[:, None] == 1) * (np.arange(2) == 0)
+        moved = found.at(dataclasses.replace(changed, materials=materials).params)
+        best = max(best, found.cost - moved.cost)
+    assert alone < -found.problem.strategy.phase_foresight
+    assert alone <= best <= gain + 0.1 * abs(gain) and gain < -found.problem.strategy.phase_foresight
 
 
 def test_a_left_out_step_of_phases_is_predicted_as_their_materials_alone_would_answer():

@@ -34,6 +34,12 @@ CONFIG = {
 }
 
 
+def line_of(folder, profile, config, *arguments):
+    line = [sys.executable, "-m", "snakemake", *arguments, "--snakefile", str(ROOT / "Snakefile"), "--jobs", "2"]
+    line += ["--profile", str(ROOT / "profiles" / profile), "--directory", str(folder), "--latency-wait", "10"]
+    return [*line, "--configfile", str(config)]
+
+
 def command(folder, profile, *arguments, long=False):
     folder.mkdir(exist_ok=True)
     config = copy.deepcopy(CONFIG)
@@ -41,14 +47,24 @@ def command(folder, profile, *arguments, long=False):
         config["cases"]["disc"]["cells"] = [120, 120]
         config["loads"]["pull"]["stretches"] = [1 + 0.01 * step for step in range(1, 31)]
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
-    line = [sys.executable, "-m", "snakemake", TARGET, "--snakefile", str(ROOT / "Snakefile"), "--jobs", "2"]
-    line += ["--profile", str(ROOT / "profiles" / profile), "--directory", str(folder), "--latency-wait", "10"]
-    return [*line, "--configfile", str(folder / "config.yaml"), *arguments]
+    return [*line_of(folder, profile, folder / "config.yaml", TARGET), *arguments]
+
+
+def whole(folder, profile, *arguments):
+    """The command that runs the small configuration, every rule of it."""
+    return [*line_of(folder, profile, ROOT / "config" / "smoke.yaml"), *arguments]
 
 
 def on_nodes(environment):
     """Nodes find the package where this process finds it, whatever folder they start in."""
     return {**environment, "PYTHONPATH": str(ROOT / "src")}
+
+
+def everything(folder):
+    """Digests of all results and figures, without what says how long they took."""
+    drawn = {p.relative_to(folder): sha256(p) for p in sorted((folder / "results/figures").rglob("*.*"))}
+    assert drawn
+    return drawn | digests(folder)
 
 
 def digests(folder):
@@ -70,6 +86,15 @@ def local(tmp_path_factory):
     return digests(folder)
 
 
+@pytest.fixture(scope="module")
+def local_whole(tmp_path_factory):
+    """The digests of the small configuration on this machine."""
+    folder = tmp_path_factory.mktemp("whole")
+    done = subprocess.run(whole(folder, "default"), capture_output=True, text=True, env=on_nodes(os.environ))
+    assert done.returncode == 0, done.stderr[-3000:]
+    return everything(folder)
+
+
 @pytest.fixture
 def queue(request, tmp_path):
     if not request.config.getoption("--cluster"):
@@ -89,6 +114,13 @@ def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of
     assert all(finding.notice for finding in verify(tmp_path / "run" / "results"))
     # What is compiled is kept for this machine alone, outside the job's own folder for temporary files.
     assert [path.name for path in (tmp_path / "run" / ".cache").iterdir()] == [machine()]
+
+
+def test_every_rule_of_the_small_configuration_has_the_bytes_of_one_machine(local_whole, queue, tmp_path):
+    line = whole(tmp_path / "run", "cluster-generic", "--max-status-checks-per-second", "5")
+    done = subprocess.run(line, capture_output=True, text=True, env=queue, timeout=3600)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert everything(tmp_path / "run") == local_whole
 
 
 def _run_with_a_job_at_work(folder, queue_folder, environment):
@@ -153,3 +185,10 @@ def test_slurm_gives_the_bytes_of_one_machine_though_it_kills_for_memory(profile
     assert [state for state, _ in states] == ["FAILED", "COMPLETED", "COMPLETED"]
     assert states[0][1] < states[1][1]
     assert digests(tmp_path / "run") == local
+
+
+def test_every_rule_of_the_small_configuration_has_the_bytes_of_one_machine_through_slurm(local_whole, slurm, tmp_path):
+    line = whole(tmp_path / "run", "cluster-generic", "--max-status-checks-per-second", "5")
+    done = subprocess.run(line, capture_output=True, text=True, env=slurm, timeout=3600)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert everything(tmp_path / "run") == local_whole

@@ -18,10 +18,11 @@ from hypernode.fem.mesh import Mesh
 from hypernode.identification.contours import ContourModel, Options, doubtful, options_at_contours, relabelled
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import MaterialEquations, Phases
+from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import first_field, objective_at_end
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
-from hypernode.progress import say
+from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
 
 
@@ -127,9 +128,12 @@ def _settled(start: Estimate, name: str) -> Estimate:
     What contours hardly explain of a misfit that is far from its noise is no matter of contours, and is left.
     """
     strategy, found = start.problem.strategy, start
-    ending = Ending.OUT_OF_ITERATIONS
+    ending, count = Ending.OUT_OF_ITERATIONS, len(start.phases.materials)
+    words = f"{count} {'phase' if count == 1 else 'phases'}"
+    progress = Progress(f"constrained field, contours of {words}", name, strategy.phase_rounds)
     for _ in range(strategy.phase_rounds):
         moved = _with_contours(found)
+        progress.advance(misfit=float(found.history[-1]), cost=found.cost)
         if moved is None:
             ending = Ending.CONVERGED
             break
@@ -137,8 +141,7 @@ def _settled(start: Estimate, name: str) -> Estimate:
         if found.unexplained > 1.0 and gained < strategy.phase_share * (found.cost - found.problem.cost_of_noise):
             ending = Ending.STAGNATED
             break
-    count = len(found.phases.materials)
-    say("constrained field", name, f"{count} {'phase' if count == 1 else 'phases'}, {ending}: {found.summary}")
+    say("constrained field", name, f"{words}, {ending}: {found.summary}")
     return dataclasses.replace(found, ending=ending)
 
 
@@ -184,16 +187,15 @@ def _with_contours(found: Estimate) -> Estimate | None:
 
     The misfit is linearised where every cell that may change is half-way, so that the quadratic model holds on both
     sides; in it the materials follow the contours. Where it has nothing more to offer, the single cells of which it is
-    least sure are changed in earnest, the most doubtful first.
+    least sure are changed in earnest, the most doubtful first, as far as that is not foreseen to be in vain.
     """
     objective, problem, phases = found.objective, found.problem, found.phases
     options = options_at_contours(problem.mesh, phases.labels)
     if not len(options.cell):
         return None
     half_way = phases.params
-    offered = np.bincount(options.cell, minlength=len(half_way))
     np.add.at(half_way, options.cell, phases.materials[options.label])
-    half_way /= 1.0 + offered[:, None]
+    half_way /= 1.0 + np.bincount(options.cell, minlength=len(half_way))[:, None]
     states = problem.equilibrium.states(half_way, [state.u for state in found.states])
     if states is None:
         return None
@@ -205,32 +207,34 @@ def _with_contours(found: Estimate) -> Estimate | None:
         objective.regulariser_weight * objective.regulariser.between(phases.materials, objective.jump_cost),
     )
     moved = _relabelled(found, relabelled(phases.labels, model, problem.strategy.phase_gain))
-    if moved is not None and found.cost - moved.cost >= problem.strategy.phase_gain:
+    if moved is not None:
         return moved
+    foresight = Foresight(found)
     for option in doubtful(phases.labels, model, problem.strategy.phase_doubt)[: problem.strategy.phase_trials]:
         labels = phases.labels.copy()
         labels[options.cell[option]] = options.label[option]
-        moved = _relabelled(found, labels)
-        if moved is not None and found.cost - moved.cost >= problem.strategy.phase_gain:
-            return moved
+        if foresight.gain(labels) >= -problem.strategy.phase_foresight:
+            moved = _relabelled(found, labels)
+            if moved is not None:
+                return moved
     return None
 
 
 def _relabelled(found: Estimate, labels: Int[np.ndarray, " cell"]) -> Estimate | None:
-    """The same with other labels, and the materials that follow; None where these are no others, or lose a phase."""
+    """The same with other labels, and the materials that follow; None where these gain nothing, or lose a phase."""
     if np.array_equal(labels, found.phases.labels) or len(np.unique(labels)) < len(found.phases.materials):
         return None
     moved = _reached(found.objective, dataclasses.replace(found.phases, labels=labels), found)
-    return moved and _with_materials(moved)
+    moved = moved and _with_materials(moved)
+    return moved if moved and found.cost - moved.cost >= found.problem.strategy.phase_gain else None
 
 
 def _changes(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
     """What every option changes of the flattened field (parameter, option)."""
     change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
-    number, count = change.shape
-    rows = (options.cell[:, None] * count + np.arange(count)).ravel()
-    columns = np.repeat(np.arange(number), count)
-    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, number))
+    rows = (options.cell[:, None] * change.shape[1] + np.arange(change.shape[1])).ravel()
+    columns = np.repeat(np.arange(len(change)), change.shape[1])
+    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, len(change)))
 
 
 def _quadratic(found: Estimate, linear, changes: scipy.sparse.csc_matrix):

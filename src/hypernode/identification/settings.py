@@ -176,6 +176,8 @@ class Strategy:
     #: these are tried. Of ten noisy X one kept a wrong cell, whose change should have cost 4.4 and gains 0.8.
     phase_doubt: float = 5.0
     phase_trials: int = 20
+    #: Foreseen loss beyond which such a cell is not tried: of noisy X, losses and gains were wrong by up to 3.2.
+    phase_foresight: float = 3.0
     #: Share of what is left above noise that contours must explain in a round while the test is not explained. Those of
     #: a coarser grid explain most of it, those of a stiffness that changes gradually a tenth.
     phase_share: float = 0.25
