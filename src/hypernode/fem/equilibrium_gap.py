@@ -10,31 +10,12 @@ import scipy.sparse.linalg
 from jax.experimental.sparse import BCOO
 from jaxtyping import Array, Bool, Float
 
-from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix, virtual_fields
 
 #: Blocks of columns of a dense inverse, each summed by itself: a sum of thousands in float32, whose terms nearly
 #: cancel, is three times as wrong.
 BLOCKS = 8
-#: Test functions beyond which no dense inverse is made, which is of their number squared (100 MB), but sparse factors,
-#: outside of what is compiled. Of fewer the dense product is as fast.
-MOST_DENSE = 5000
-
-
-@jax.tree_util.register_static
-class FactoredCompliance:
-    """The inverse of a sparse positive definite matrix as its factors, to be applied within compiled code."""
-
-    def __init__(self, matrix):
-        self._factors = factorise(matrix)
-
-    def __call__(self, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
-        """K^-1 R, solved in double precision."""
-        return jax.pure_callback(self._solve, jax.ShapeDtypeStruct(R.shape, R.dtype), R)
-
-    def _solve(self, R):
-        return self._factors.solve(np.asarray(R, float)).astype(R.dtype)
 
 
 def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
@@ -68,25 +49,15 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
     return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
 
 
-def _compliance_of(energy) -> "tuple | FactoredCompliance":
-    """K^-1 as blocks of columns, or of many test functions as factors."""
-    if energy.shape[0] > MOST_DENSE:
-        return FactoredCompliance(energy)
-    inverse = np.linalg.inv(energy.toarray()).astype(np.float32)
-    return tuple(jnp.asarray(block) for block in np.array_split(inverse, BLOCKS, axis=1))
-
-
-def _compliant_field(compliance: "tuple | FactoredCompliance", R: Float[Array, "test step"]):
-    """K^-1 R (test, step)."""
-    if isinstance(compliance, FactoredCompliance):
-        return compliance(R)
+def _compliant_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
+    """K^-1 R from the blocks of columns of K^-1."""
     ends = np.cumsum([block.shape[1] for block in compliance])[:-1]
     return sum(block @ part for block, part in zip(compliance, jnp.split(R, ends), strict=True))
 
 
 @jax.custom_vjp
-def _energies(R: Float[Array, "test step"], compliance: "tuple | FactoredCompliance") -> Float[Array, " step"]:
-    """R K^-1 R of each column, differentiated by R alone; K^-1 R is what costs, and one serves both."""
+def _energies(R: Float[Array, "test step"], compliance: tuple) -> Float[Array, " step"]:
+    """R K^-1 R of each column, differentiated by R alone; the dense product is what costs, and one serves both."""
     return jnp.sum(R * _compliant_field(compliance, R), axis=0)
 
 
@@ -111,7 +82,7 @@ class EquilibriumGap:
     Attributes:
         work: sparse maps[i][J] from cell stress to the virtual work (test function, cell).
         loads: virtual work of a unit resultant per component (test function,), zero where none is measured.
-        compliance: K^-1 per component, as :data:`BLOCKS` blocks of columns or as :class:`FactoredCompliance`.
+        compliance: K^-1 per component, as :data:`BLOCKS` blocks of columns.
         area: area of the sheet.
     """
 
@@ -142,7 +113,8 @@ class EquilibriumGap:
         for component in range(2):
             T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
             work.append(tuple(BCOO.from_scipy_sparse((T.T @ D[J]).astype(np.float32)) for J in range(2)))
-            compliance.append(_compliance_of(energy))
+            inverse = np.linalg.inv(energy.toarray()).astype(np.float32)
+            compliance.append(tuple(jnp.asarray(block) for block in np.array_split(inverse, BLOCKS, axis=1)))
             unit = np.zeros(T.shape[1])
             if edge is not None:
                 unit[-1] = 1.0
