@@ -61,8 +61,8 @@ def on_nodes(environment):
 
 
 def everything(folder):
-    """Digests of all results and figures, without what says how long they took."""
-    drawn = {p.relative_to(folder): sha256(p) for p in sorted((folder / "results/figures").rglob("*.*"))}
+    """Digests of all results and figures, without their records, which say how long they took."""
+    drawn = {p.relative_to(folder): sha256(p) for p in sorted((folder / "results/figures").rglob("*.p[dn][fg]"))}
     assert drawn
     return drawn | digests(folder)
 
