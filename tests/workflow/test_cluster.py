@@ -55,6 +55,12 @@ def whole(folder, profile, *arguments):
     return [*line_of(folder, profile, ROOT / "config" / "smoke.yaml"), *arguments]
 
 
+def finished(line, environment):
+    """Run a command to its end, within an hour."""
+    done = subprocess.run(line, capture_output=True, text=True, env=environment, timeout=3600)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
 def on_nodes(environment):
     """Nodes find the package where this process finds it, whatever folder they start in."""
     return {**environment, "PYTHONPATH": str(ROOT / "src")}
@@ -81,8 +87,7 @@ def _only_on_demand(request):
 def local(tmp_path_factory):
     """The digests of a run on this machine."""
     folder = tmp_path_factory.mktemp("here")
-    done = subprocess.run(command(folder, "default"), capture_output=True, text=True, env=on_nodes(os.environ))
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(command(folder, "default"), on_nodes(os.environ))
     return digests(folder)
 
 
@@ -90,8 +95,7 @@ def local(tmp_path_factory):
 def local_whole(tmp_path_factory):
     """The digests of the small configuration on this machine."""
     folder = tmp_path_factory.mktemp("whole")
-    done = subprocess.run(whole(folder, "default"), capture_output=True, text=True, env=on_nodes(os.environ))
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(whole(folder, "default"), on_nodes(os.environ))
     return everything(folder)
 
 
@@ -104,8 +108,7 @@ def queue(request, tmp_path):
 
 def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of_one_machine(local, queue, tmp_path):
     line = command(tmp_path / "run", "cluster-generic", "--set-resources", *TOO_LITTLE)
-    done = subprocess.run(line, capture_output=True, text=True, env=queue, timeout=900)
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(line, queue)
     killed, again, last = jobs(tmp_path / "queue")
     assert (killed["state"], again["state"], last["state"]) == ("OUT_OF_MEMORY", "COMPLETED", "COMPLETED")
     assert killed["asked"] < again["asked"]
@@ -118,8 +121,7 @@ def test_a_job_killed_for_memory_comes_back_with_more_and_the_bytes_are_those_of
 
 def test_every_rule_of_the_small_configuration_has_the_bytes_of_one_machine(local_whole, queue, tmp_path):
     line = whole(tmp_path / "run", "cluster-generic", "--max-status-checks-per-second", "5")
-    done = subprocess.run(line, capture_output=True, text=True, env=queue, timeout=3600)
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(line, queue)
     assert everything(tmp_path / "run") == local_whole
 
 
@@ -177,8 +179,7 @@ def test_slurm_gives_the_bytes_of_one_machine_though_it_kills_for_memory(profile
         # It has no accounting to be asked.
         own = ["--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "5"]
     line = command(tmp_path / "run", profile, *own, "--set-resources", *TOO_LITTLE)
-    done = subprocess.run(line, capture_output=True, text=True, env=slurm, timeout=900)
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(line, slurm)
     listed = ["squeue", "--states=all", "--noheader", "--format=%i %T %m"]
     states = [each.split() for each in subprocess.check_output(listed, text=True).splitlines()]
     states = [(state, int(memory.rstrip("M"))) for _, state, memory in sorted(states, key=lambda w: int(w[0]))][-3:]
@@ -189,6 +190,5 @@ def test_slurm_gives_the_bytes_of_one_machine_though_it_kills_for_memory(profile
 
 def test_every_rule_of_the_small_configuration_has_the_bytes_of_one_machine_through_slurm(local_whole, slurm, tmp_path):
     line = whole(tmp_path / "run", "cluster-generic", "--max-status-checks-per-second", "5")
-    done = subprocess.run(line, capture_output=True, text=True, env=slurm, timeout=3600)
-    assert done.returncode == 0, done.stderr[-3000:]
+    finished(line, slurm)
     assert everything(tmp_path / "run") == local_whole

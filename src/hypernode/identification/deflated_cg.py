@@ -19,15 +19,13 @@ from hypernode.fem.factors import factorise
 
 #: Directions whose curvature is below this share of the largest, after scaling, say the same as others.
 REDUNDANT = 1e-8
-
-
 #: Memory of the directions and products that a solve remembers [bytes]. 200 of 100 x 100 cells take as much; of more
 #: cells, the worst of them take the place of all.
 REMEMBERED = 384 * 2**20
 
 
-def worst_directions(directions, products, metric, kept: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of the span of some directions what a preconditioner misses most (Rayleigh and Ritz), and its products.
+def worst_combinations(directions, products, metric, kept: int):
+    """What a preconditioner misses most in the span of some directions (Rayleigh and Ritz).
 
     Args:
         directions: (n, direction).
@@ -36,7 +34,7 @@ def worst_directions(directions, products, metric, kept: int) -> tuple[np.ndarra
         kept: how many directions at most.
 
     Returns:
-        Two arrays (n, kept).
+        Factors of the directions (direction,), and combinations of the directions times these (direction, kept).
     """
     scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", directions, products))
     curvature = directions.T @ products * np.outer(scale, scale)
@@ -51,8 +49,7 @@ def worst_directions(directions, products, metric, kept: int) -> tuple[np.ndarra
         left = len(inverse) - kept
         low = np.argmin(inverse[left - 1 :] / inverse[: kept + 1])
         vectors = np.delete(vectors, np.s_[low : low + left], axis=1)
-    combined = whiten @ vectors
-    return directions @ combined, products @ (scale[:, None] * combined)
+    return scale, whiten @ vectors
 
 
 class SearchDirections:
@@ -71,8 +68,9 @@ class SearchDirections:
     def add(self, direction: Float[np.ndarray, " n"], product: Float[np.ndarray, " n"]) -> None:
         """Remember one more."""
         if len(self._directions) >= self._most:
-            worst = worst_directions(*self._together(), self._metric, self._kept)
-            self._directions, self._products = (list(each.T.copy()) for each in worst)
+            both = self._together()
+            scale, combined = worst_combinations(*both, self._metric, self._kept)
+            self._directions, self._products = (list((each * scale @ combined).T.copy()) for each in both)
         self._directions.append(direction.copy())
         self._products.append(product)
 
@@ -86,7 +84,8 @@ class SearchDirections:
         parts = self._together()
         if deflation is not None:
             parts = [np.concatenate(each, axis=1) for each in zip((deflation, image), parts, strict=True)]
-        return worst_directions(*parts, self._metric, self._kept)[0]
+        scale, combined = worst_combinations(*parts, self._metric, self._kept)
+        return parts[0] * scale @ combined
 
 
 class Solution(NamedTuple):

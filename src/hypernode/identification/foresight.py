@@ -1,6 +1,7 @@
 """What changed contours of phases would gain, before their sensitivities are computed."""
 
 import dataclasses
+import functools
 
 import numpy as np
 from jaxtyping import Int
@@ -18,18 +19,19 @@ class Foresight:
 
     def __init__(self, found: Estimate):
         self._found = found
-        self._equations = MaterialEquations(found.linear.curvature, found.phases, found.objective.ridge)
+
+    @functools.cached_property
+    def _equations(self) -> MaterialEquations:
+        return MaterialEquations(self._found.linear.curvature, self._found.phases, self._found.objective.ridge)
 
     def gain(self, labels: Int[np.ndarray, " cell"]) -> float:
         """By how much the cost falls; minus infinity where there is no equilibrium within reach."""
-        found, objective, problem = self._found, self._found.objective, self._found.problem
+        found, objective = self._found, self._found.objective
         phases = dataclasses.replace(found.phases, labels=labels)
-        states = problem.equilibrium.states(phases.params, [state.u for state in found.states])
-        if states is None:
+        moved = found.at(phases.params)
+        if moved is None:
             return -np.inf
-        residuals = objective.residuals(states, found.linear.sigma, found.linear)
-        pull = found.linear.adjoint(np.concatenate(residuals))
-        pull += objective.ridge * (phases.params.ravel() - objective.centre)
+        pull = objective.misfit_gradient(moved.states, found.linear)
+        pull += objective.ridge * (moved.params.ravel() - objective.centre)
         gradient = phases.columns.T @ pull
-        followed = 0.5 * gradient @ np.linalg.solve(self._equations.matrix, gradient)
-        return found.cost - objective.value(phases.params, states, problem.sigma, found.linear) + float(followed)
+        return found.cost - moved.cost + 0.5 * float(gradient @ np.linalg.solve(self._equations.matrix, gradient))

@@ -93,6 +93,10 @@ class Objective:
         """The share of displacements and forces in :meth:`value`."""
         return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma, linear))
 
+    def misfit_gradient(self, states, linear: Jacobian) -> Float[np.ndarray, " parameter"]:
+        """Gradient of the share of displacements and forces in :meth:`value` by the parameters, flattened."""
+        return linear.adjoint(np.concatenate(self.residuals(states, linear.sigma, linear)))
+
     def gauss_newton(self, linear: Jacobian, params, states, damping: float, explained: bool, deflation) -> Step:
         """Step of a damped Gauss-Newton iteration from the field of ``linear``, by conjugate gradients.
 
@@ -102,7 +106,7 @@ class Objective:
         """
         strategy = self.strategy
         R, r, B = self._jump_roots(params)
-        gradient = linear.adjoint(np.concatenate(self.residuals(states, linear.sigma, linear)))
+        gradient = self.misfit_gradient(states, linear)
         gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
         system = NormalEquations(linear.nearly_curvature, R, B, self.ridge + damping, deflation, strategy)
         iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]

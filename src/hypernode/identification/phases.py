@@ -145,11 +145,6 @@ def _settled(start: Estimate, name: str) -> Estimate:
     return dataclasses.replace(found, ending=ending)
 
 
-def _pull(found: Estimate, linear) -> Float[np.ndarray, " parameter"]:
-    """Gradient of the misfit by the parameters of the cells, flattened."""
-    return linear.adjoint(np.concatenate(found.objective.residuals(found.states, linear.sigma, linear)))
-
-
 def _with_materials(found: Estimate) -> Estimate:
     """The same contours between the likeliest materials, by damped Gauss-Newton steps.
 
@@ -164,7 +159,9 @@ def _with_materials(found: Estimate) -> Estimate:
     for _ in range(strategy.phase_steps):
         linear, better = found.linear, None
         equations = MaterialEquations(linear.curvature, found.phases, objective.ridge)
-        pull = _pull(found, linear) + objective.ridge * (found.params.ravel() - objective.centre)
+        pull = objective.misfit_gradient(found.states, linear) + objective.ridge * (
+            found.params.ravel() - objective.centre
+        )
         gradient, curvature = equations.columns.T @ pull, equations.matrix
         for damping in strategy.phase_damping:
             change = -np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), gradient)
@@ -239,7 +236,8 @@ def _changes(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
 
 def _quadratic(found: Estimate, linear, changes: scipy.sparse.csc_matrix):
     """(gradient, curvature) of the misfit by options, where the materials of the phases follow what is chosen."""
-    pull, at_once = _pull(found, linear), found.problem.strategy.columns_at_once
+    pull = found.objective.misfit_gradient(found.states, linear)
+    at_once = found.problem.strategy.columns_at_once
     blocks = [changes[:, k : k + at_once].toarray() for k in range(0, changes.shape[1], at_once)]
     curvature = np.concatenate([changes.T @ linear.nearly_curvature(block) for block in blocks], axis=1)
     equations = MaterialEquations(linear.nearly_curvature, found.phases, found.objective.ridge)
