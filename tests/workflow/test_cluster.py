@@ -1,6 +1,7 @@
 """A cluster gives the bytes that one machine gives, and nothing is lost where it ends jobs."""
 
 import copy
+import functools
 import os
 import signal
 import subprocess
@@ -128,9 +129,10 @@ def test_every_rule_of_the_small_configuration_has_the_bytes_of_one_machine(loca
 def _run_with_a_job_at_work(folder, queue_folder, environment):
     """A Snakemake, started, one of whose jobs has begun to compute, a minute's work."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run = subprocess.Popen(
-        command(folder, "cluster-generic", long=True), env=environment, start_new_session=True, **quiet
-    )
+    # What is started in the background of a script inherits that interrupts are ignored.
+    heeding = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    line = command(folder, "cluster-generic", long=True)
+    run = subprocess.Popen(line, env=environment, start_new_session=True, preexec_fn=heeding, **quiet)
     end = time.monotonic() + 60
     while time.monotonic() < end and not list((folder / "results/logs").rglob("forward.log")):
         time.sleep(0.1)
