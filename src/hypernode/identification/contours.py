@@ -12,6 +12,7 @@ import scipy.sparse
 from jaxtyping import Bool, Float, Int
 
 from hypernode.fem.mesh import Mesh
+from hypernode.identification.few_materials import Phases
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,14 @@ def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options
     adjacent = scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (len(labels), len(labels)))
     near = scipy.sparse.triu(member @ adjacent @ member.T, 1).tocoo()
     return Options(cell, label, np.stack([near.row, near.col], axis=1))
+
+
+def changes_of_field(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
+    """What every option changes of the flattened parameters of the field (parameter, option)."""
+    change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
+    rows = (options.cell[:, None] * change.shape[1] + np.arange(change.shape[1])).ravel()
+    columns = np.repeat(np.arange(len(change)), change.shape[1])
+    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, len(change)))
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from skimage.filters import threshold_otsu
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.contours import ContourModel, Options, doubtful, options_at_contours, relabelled
+from hypernode.identification.contours import ContourModel, changes_of_field, doubtful, options_at_contours, relabelled
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.foresight import Foresight
@@ -199,22 +199,28 @@ def _with_contours(found: Estimate) -> Estimate | None:
     linear = problem.linearise(half_way, states, problem.sigma)
     model = ContourModel(
         options,
-        *_quadratic(found, linear, _changes(phases, options)),
+        *_quadratic(found, linear, changes_of_field(phases, options)),
         objective.regulariser.lengths(objective.jump_cost),
         objective.regulariser_weight * objective.regulariser.between(phases.materials, objective.jump_cost),
     )
     moved = _relabelled(found, relabelled(phases.labels, model, problem.strategy.phase_gain))
     if moved is not None:
         return moved
-    foresight = Foresight(found)
-    for option in doubtful(phases.labels, model, problem.strategy.phase_doubt)[: problem.strategy.phase_trials]:
-        labels = phases.labels.copy()
-        labels[options.cell[option]] = options.label[option]
-        if foresight.gain(labels) >= -problem.strategy.phase_foresight:
+    doubted = doubtful(phases.labels, model, problem.strategy.phase_doubt)[: problem.strategy.phase_trials]
+    return one_by_one(found, options.cell[doubted], options.label[doubted])
+
+
+def one_by_one(start: Estimate, cells: Int[np.ndarray, " cell"], others: Int[np.ndarray, " cell"]) -> Estimate | None:
+    """Other labels for single cells in turn, each kept where the cost falls by it; None where none is."""
+    found, foresight = start, Foresight(start)
+    for cell, other in zip(cells, others, strict=True):
+        labels = found.phases.labels.copy()
+        labels[cell] = other
+        if foresight.gain(labels) >= -start.problem.strategy.phase_foresight:
             moved = _relabelled(found, labels)
             if moved is not None:
-                return moved
-    return None
+                found, foresight = moved, Foresight(moved)
+    return None if found is start else found
 
 
 def _relabelled(found: Estimate, labels: Int[np.ndarray, " cell"]) -> Estimate | None:
@@ -224,14 +230,6 @@ def _relabelled(found: Estimate, labels: Int[np.ndarray, " cell"]) -> Estimate |
     moved = _reached(found.objective, dataclasses.replace(found.phases, labels=labels), found)
     moved = moved and _with_materials(moved)
     return moved if moved and found.cost - moved.cost >= found.problem.strategy.phase_gain else None
-
-
-def _changes(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
-    """What every option changes of the flattened field (parameter, option)."""
-    change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
-    rows = (options.cell[:, None] * change.shape[1] + np.arange(change.shape[1])).ravel()
-    columns = np.repeat(np.arange(len(change)), change.shape[1])
-    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, len(change)))
 
 
 def _quadratic(found: Estimate, linear, changes: scipy.sparse.csc_matrix):
