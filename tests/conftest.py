@@ -1,12 +1,8 @@
-"""Double precision for every unit test, so that laws can be asserted tightly."""
+"""The compiler of jobs for every test, in double precision, so that laws can be asserted tightly."""
 
-import os
+from hypernode.pipeline.compiler import set_up_compiler
 
-os.environ.setdefault("JAX_PLATFORMS", "cpu")
-
-import jax
-
-jax.config.update("jax_enable_x64", True)
+set_up_compiler(float64=True)
 
 
 def pytest_addoption(parser):
