@@ -1,8 +1,24 @@
 """The compiler of jobs for every test, in double precision, so that laws can be asserted tightly."""
 
-from hypernode.pipeline.compiler import set_up_compiler
+import os
 
-set_up_compiler(float64=True)
+
+def set_up_as_jobs_do():
+    """Set JAX up; what tests start are processes of their own, which set theirs up as users' do."""
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")
+    given = dict(os.environ)
+    from hypernode.pipeline.compiler import set_up_compiler
+
+    set_up_compiler(float64=True)
+    import jax
+
+    # It reads the environment of this moment.
+    jax.devices()
+    os.environ.clear()
+    os.environ |= given
+
+
+set_up_as_jobs_do()
 
 
 def pytest_addoption(parser):

@@ -5,11 +5,13 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
+from jaxtyping import Float
 
 from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
+from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.verdict import Ending
 
 
@@ -43,6 +45,27 @@ class Estimate:
     def problem(self) -> FieldProblem:
         """The test, and the equilibrium that ties a field to it."""
         return self.objective.problem
+
+    @property
+    def basis(self) -> ConvexBasis:
+        """The law whose parameters the cells have."""
+        return self.problem.basis
+
+    @property
+    def material_count(self) -> int:
+        """Of how many materials the field is made; none are counted where every cell has its own."""
+        return 0 if self.phases is None else len(self.phases.materials)
+
+    @property
+    def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
+        """Parameters of the parts of every measured cell, row by row, whose mean is the cell's stress."""
+        return self.params.T[:, self.problem.refinement.subcells.T]
+
+    def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
+        """:attr:`by_parts` of fields that the test cannot tell from this one."""
+        deflation = self.step and self.step.deflation
+        samples = self.objective.posterior_samples(self.linear, self.params, count, seed, deflation)
+        return np.moveaxis(samples, -1, 0)[..., self.problem.refinement.subcells.T]
 
     @property
     def misfits(self) -> dict[str, float]:
@@ -103,7 +126,7 @@ class Estimate:
         (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002).
         """
         shared = 0.0 if self.linear is None else self.linear.log_determinant
-        number, data = len(self.problem.basis.names), max(self.problem.observed, 1)
+        number, data = len(self.basis.names), max(self.problem.observed, 1)
         independent = data * float(np.log(self.problem.sigma))
         return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data)) + self.effective_parameters
 

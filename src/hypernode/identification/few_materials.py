@@ -44,26 +44,39 @@ class Phases:
         return int(scipy.sparse.csgraph.connected_components(joined, directed=False, return_labels=False))
 
 
-class MaterialEquations:
-    """C^T (J^T J + ridge) C y = C^T b for the numbers y of the materials of phases with columns C.
+class ReducedEquations:
+    """C^T (J^T J) C y + held y = C^T b for the numbers y that decide a field by columns C.
 
     Attributes:
         columns: C.
-        by_cells: J^T J C (cell x parameter, phase x parameter).
-        matrix: C^T (J^T J + ridge) C.
+        by_cells: J^T J C (cell x parameter, number).
+        matrix: C^T J^T J C + held.
 
     Args:
         curvature: x -> J^T J x.
-        phases: whose materials follow, and whose contours do not.
-        ridge: by parameter of the cells.
+        columns: derivative of the flattened field by the numbers, sparse.
+        held: inverse covariance of the numbers without data, sparse.
     """
 
-    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
-        self.columns = phases.columns
-        self.by_cells = curvature(self.columns.toarray())
-        held = self.columns.T @ scipy.sparse.diags(ridge) @ self.columns
-        self.matrix = self.columns.T @ self.by_cells + held.toarray()
+    def __init__(self, curvature: Callable, columns, held):
+        self.columns = columns
+        self.by_cells = curvature(columns.toarray())
+        self.matrix = columns.T @ self.by_cells + held.toarray()
 
     def solve_columns(self, b, rtol: float, iterations: int):
         """How the field answers to the columns of ``b`` (cell x parameter, k); neither bound is needed, it is exact."""
         return self.columns @ np.linalg.solve(self.matrix, self.columns.T @ b)
+
+
+class MaterialEquations(ReducedEquations):
+    """Those of the materials of phases, whose contours do not follow.
+
+    Args:
+        curvature: x -> J^T J x.
+        phases: whose materials follow.
+        ridge: by parameter of the cells.
+    """
+
+    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
+        columns = phases.columns
+        super().__init__(curvature, columns, columns.T @ scipy.sparse.diags(ridge) @ columns)

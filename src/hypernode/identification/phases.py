@@ -64,7 +64,7 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
     level, _ = objective.problem.stiffness(params)
     best, labels = None, np.zeros(len(level), dtype=int)
     for _ in range(objective.problem.strategy.most_phases):
-        found = _at(objective, Phases(labels, _medians(objective.problem.mesh, params, labels)), guesses)
+        found = _at(objective, Phases(labels, medians(objective.problem.mesh, params, labels)), guesses)
         if found is None:
             break
         found = _with_materials(found)
@@ -75,7 +75,7 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
         if best is not None and _criterion(best) <= _criterion(found):
             break
         best, guesses = found, [state.u for state in found.states]
-        labels = _split(level, found.phases.labels)
+        labels = split(level, found.phases.labels)
     return best
 
 
@@ -84,7 +84,7 @@ def _criterion(found: Estimate) -> float:
     return found.information_criterion + found.phases.regions(found.problem.mesh) * np.log(len(found.params))
 
 
-def _split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
+def split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
     """Labels with one phase more: the cells above Otsu's threshold in the phase whose stiffness varies most in all."""
     spread = [((level[labels == k] - level[labels == k].mean()) ** 2).sum() for k in range(labels.max() + 1)]
     cells = np.flatnonzero(labels == int(np.argmax(spread)))
@@ -96,7 +96,7 @@ def _split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) 
     return finer
 
 
-def _medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
+def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
     """Median parameters of every phase, off its contours as far as it has such cells."""
     pairs = mesh.touching()
     inside = np.ones(len(labels), dtype=bool)

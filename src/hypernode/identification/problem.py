@@ -188,6 +188,13 @@ def field_problem(
     return FieldProblem(observations, basis, equilibrium, homogeneous, forces, strategy)
 
 
+def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
+    """The same test of a sheet of another law; the homogeneous fit stays that of the first."""
+    observations, strategy = problem.observations, problem.strategy
+    equilibrium = FieldEquilibrium.of(observations, law, strategy)
+    return FieldProblem(observations, law, equilibrium, problem.homogeneous, problem.forces, strategy)
+
+
 def problem_of_basis(
     measurement,
     settings: Constrained,

@@ -93,11 +93,9 @@ class Strategy:
     convex_iterations: int = 5
     #: Largest change of a parameter in one step: twice as stiff and more is beyond what a linearisation tells.
     largest_step: float = 1.0
-    #: First step tried once jumps stop costing more. A step minimises a quadratic that lies above the penalty, and so
-    #: falls short of where the penalty leads.
+    #: First step tried once jumps stop costing more: a step minimises a quadratic above the penalty, and falls short.
     over_relaxation: float = 1.7
-    #: Factor from one trial of a line search to the next, and how many trials in the clipped and in the whole
-    #: direction.
+    #: Factor from one trial of a line search to the next, and trials in the clipped and in the whole direction.
     fraction: float = 0.4
     clipped_trials: int = 2
     scaled_trials: int = 5
@@ -186,13 +184,24 @@ class Strategy:
     #: Columns of the Jacobian at a time, for memory.
     columns_at_once: int = 128
 
+    #: Two materials in layers: rounds that measure distances anew, steps of each, and what both must gain.
+    layer_rounds: int = 8
+    layer_steps: int = 4
+    layer_gain: float = 0.5
+    #: In sides of cells: how near the line distances change, and bend, and a usual bend: a circle of three.
+    layer_reach: float = 1.6
+    layer_bent: float = 0.8
+    layer_bend: float = 0.3
+    #: Inverse variance of distances that data do not tell. Regions of fewer nodes than a cell has are none.
+    layer_held: float = 0.3
+    layer_fewest: int = 4
+
     # Coarse grid first.
     #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
     #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
-    # Subcells: into how many rows and columns cells are divided, how many a sheet may have, for memory, and for how
-    # many iterations it pays.
+    # Subcells: rows and columns of each cell, how many a sheet may have, for memory, and how many iterations pay.
     subcells: int = 2
     most_subcells: int = 16000
     subcells_iterations: int = 12

@@ -8,8 +8,8 @@ Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly mat
 The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
 valleys that all coefficients together make. From there the other terms are released. Where noise makes
 many minima, a field of a few phases is kept if it is the likelier one, and otherwise what was found is perturbed out of
-its own minimum to see whether there is a better one. Where interfaces lie anywhere and noise does not hide them, cells
-are then divided.
+its own minimum to see whether there is a better one. Where interfaces lie anywhere, cells are then divided, or, under
+noise and if the sheet is of two materials, are layers of both where the interface cuts them.
 """
 
 import functools
@@ -22,6 +22,7 @@ from hypernode.data.coarsening import coarsened
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import descend, described
+from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
     without_fibres,
@@ -37,7 +38,7 @@ from hypernode.verdict import Ending
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
-    """The material field that explains a measurement, or comes nearest to it; see :func:`_identified`.
+    """The material field that explains a measurement, or comes nearest to it; see :func:`_field`.
 
     Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
     deformation: then each counts as an independent one. Where the field shows that noise is of another size than
@@ -72,6 +73,11 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
 
 
 def _identified(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
+    """:func:`_field`, or that of two materials which an interface lies between."""
+    return in_layers(_field(measurement, settings, name, strategy), settings, name)
+
+
+def _field(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
     """The stiffness alone, then the terms of the basis.
 
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
@@ -167,7 +173,7 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
         return None
     coarse = coarsened(measurement)
     say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
-    return _identified(coarse, settings, name, replace(strategy, most_subcells=0))
+    return _field(coarse, settings, name, replace(strategy, most_subcells=0))
 
 
 def rivals(found: Estimate, tried: list[Estimate]) -> list[Estimate]:

@@ -55,6 +55,11 @@ def _believed(name: str, files) -> None:
     """Nothing, where a run explains its test well enough for its field to be asked."""
     if "constrained" not in files:
         raise AdviceError(f"{name}: the method has no equilibrium field to ask: name a run of hypernode")
+    if json.loads(files["constrained"].attrs.get("layered", "false")):
+        raise AdviceError(
+            f"{name}: cells that the interface cuts are layers of two materials in this field, and how layers answer "
+            "to a further test is not known: ask a run of the same sheet without layers"
+        )
     if files["measurement"].attrs["forces"] == "assumed":
         raise AdviceError(
             f"{name}: no force was recorded, so that every stress is known up to one factor: the next test worth doing "

@@ -7,6 +7,7 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.strategy import identify
@@ -32,9 +33,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
     variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
-    content, kind = basis_content(problem.basis, found.params.T[:, refinement.subcells.T])
+    content, kind = basis_content(found.basis, found.by_parts)
     F = deformation_gradient(mesh_of(measurement), variables["u"])
-    seen, measures = domain_content(Domain.of(F, problem.basis.has_fibres))
+    seen, measures = domain_content(Domain.of(F, found.basis.has_fibres))
     variables |= content | seen
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
@@ -58,7 +59,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **problem.observations.believed_noise.stored(),
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
-            "materials": 0 if found.phases is None else len(found.phases.materials),
+            "materials": found.material_count,
+            "layered": isinstance(found, LayeredEstimate),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
@@ -67,13 +69,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
 
 def _posterior(found, settings: Constrained) -> dict:
     """Variables of the posterior samples, by parameter of the basis."""
-    deflation = found.step and found.step.deflation
-    samples = found.objective.posterior_samples(
-        found.linear, found.params, settings.posterior_samples, settings.seed, deflation
-    )
-    samples = np.moveaxis(samples, -1, 0)[..., found.problem.refinement.subcells.T]
+    samples = found.samples(settings.posterior_samples, settings.seed)
     dims = ("posterior_sample", "subcell", "cell")
-    return {f"posterior.{key}": (dims, samples[k]) for k, key in enumerate(found.problem.basis.names)}
+    return {f"posterior.{key}": (dims, samples[k]) for k, key in enumerate(found.basis.names)}
 
 
 def _ending(found) -> dict:

@@ -1,0 +1,135 @@
+"""A line through the cells of a rectilinear mesh, as the zero line of signed distances at its nodes.
+
+Distances are in sides of cells, so that an unequal grid counts as one of squares. In a cell the line is straight: it
+has the slope of the distances at its corners and their mean in the middle.
+"""
+
+from functools import cached_property
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.ndimage
+import scipy.sparse
+from jaxtyping import Array, Float
+from scipy.spatial import cKDTree
+from skimage.measure import find_contours
+
+from hypernode.fem.mesh import Mesh
+
+#: Slope that distances count as having at least. True ones have a slope of one, but where two lines meet.
+SMALLEST_SLOPE = 0.5
+#: What counts as nothing beside a side of a cell.
+NOTHING = 1e-6
+#: Points along a side of a cell by which the distance from a line is measured: off by a fiftieth at most.
+POINTS = 12
+
+
+def cut(distance: Float[Array, " 4"]) -> Float[Array, "3"]:
+    """(share of a square where the distance is positive, unit normal towards there), of the distances at its corners.
+
+    Args:
+        distance: counterclockwise from the lower left.
+    """
+    p00, p10, p11, p01 = distance
+    slope = 0.5 * jnp.array([p10 - p00 + p11 - p01, p01 - p00 + p11 - p10])
+    squared = slope @ slope
+    normal = jnp.where(squared > NOTHING**2, slope, jnp.array([1.0, 0.0]))
+    normal = normal / jnp.sqrt(normal @ normal)
+    low, high = jnp.sort(jnp.abs(normal))
+    low = jnp.maximum(low, NOTHING)
+    reach = low + high
+    # Distance of the line from the farthest corner on the other side; the share is symmetric about the middle.
+    depth = jnp.clip(
+        0.25 * distance.sum() / jnp.sqrt(jnp.maximum(squared, SMALLEST_SLOPE**2)) + 0.5 * reach, 0.0, reach
+    )
+    nearer = jnp.minimum(depth, reach - depth)
+    share = jnp.where(nearer < low, nearer**2 / (2.0 * low * high), (nearer - 0.5 * low) / high)
+    return jnp.concatenate([jnp.where(depth > 0.5 * reach, 1.0 - share, share)[None], normal])
+
+
+class ContourLines:
+    """Lines on a mesh by their signed distance at its nodes (node,).
+
+    Args:
+        mesh: rectilinear, cells may be missing.
+    """
+
+    def __init__(self, mesh: Mesh):
+        self.mesh = mesh
+        lines = mesh.lines
+        self._shape = len(lines[1]), len(lines[0])
+        self._place = np.divmod(mesh.places, self._shape[1])
+        corners = mesh.nodes[mesh.cells]
+        self._sides = np.ptp(corners, axis=1)
+        self._cut = jax.jit(jax.vmap(cut))
+        self._slope = jax.jit(jax.vmap(jax.grad(lambda corners: cut(corners)[0])))
+
+    def through(self, share: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " node"]:
+        """Distance from a line that leaves about these shares of the cells on its positive side."""
+        cells, nodes = self.mesh.cells, len(self.mesh.nodes)
+        each = np.repeat(2.0 * share - 1.0, cells.shape[1])
+        mean = np.bincount(cells.ravel(), each, nodes) / np.bincount(cells.ravel(), minlength=nodes)
+        return self.distance(np.where(mean == 0.0, NOTHING, mean))
+
+    def cells(self, distance: Float[np.ndarray, " node"]):
+        """(share of every cell where the distance is positive (cell,), unit normal towards there (cell, 2))."""
+        found = np.asarray(self._cut(jnp.asarray(distance[self.mesh.cells])))
+        normal = found[:, 1:] / self._sides
+        return found[:, 0], normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def slopes(self, distance: Float[np.ndarray, " node"]) -> Float[np.ndarray, "cell 4"]:
+        """Derivative of the shares of :meth:`cells` by the distances at the corners of each."""
+        return np.asarray(self._slope(jnp.asarray(distance[self.mesh.cells])))
+
+    def distance(self, values: Float[np.ndarray, " node"], fewest: int = 1) -> Float[np.ndarray, " node"]:
+        """Signed distance from the zero line of ``values``.
+
+        Args:
+            fewest: regions of fewer nodes than that join what is around them.
+        """
+        grid = self._on_grid(values)
+        for sign in (1.0, -1.0):
+            regions, count = scipy.ndimage.label(sign * grid > 0.0)
+            size = np.bincount(regions.ravel(), minlength=count + 1)
+            small = (regions > 0) & (size[regions] < fewest)
+            grid[small] = -0.5 * sign
+        signs = np.sign(grid[self._place])
+        lines = self._lines(grid)
+        if not lines:
+            return signs * np.inf
+        step = np.linspace(0.0, 1.0, POINTS, endpoint=False)[:, None]
+        points = [one + step * (other - one) for line in lines for one, other in pairwise(line)]
+        far, _ = cKDTree(np.concatenate(points)).query(np.stack(self._place, axis=1))
+        return signs * far
+
+    def length(self, distance: Float[np.ndarray, " node"]) -> float:
+        """Length of the line."""
+        lines = self.mesh.lines
+        total = 0.0
+        for line in self._lines(self._on_grid(distance)):
+            y, x = (np.interp(line[:, k], np.arange(self._shape[k]), lines[1 - k]) for k in range(2))
+            total += float(np.hypot(np.diff(x), np.diff(y)).sum())
+        return total
+
+    @cached_property
+    def bends(self) -> scipy.sparse.csr_matrix:
+        """Second differences of values at every three nodes in a row or a column (three, node), -2 in the middle."""
+        number = np.full(self._shape, -1)
+        number[self._place] = np.arange(len(self.mesh.nodes))
+        threes = [np.stack([n[:-2], n[1:-1], n[2:]]).reshape(3, -1) for n in (number, number.T)]
+        threes = np.concatenate(threes, axis=1)
+        threes = threes[:, (threes >= 0).all(axis=0)]
+        rows = np.tile(np.arange(threes.shape[1]), 3)
+        weights = np.repeat([1.0, -2.0, 1.0], threes.shape[1])
+        return scipy.sparse.csr_matrix((weights, (rows, threes.ravel())), (threes.shape[1], len(self.mesh.nodes)))
+
+    def _on_grid(self, values):
+        grid = np.full(self._shape, np.nan)
+        grid[self._place] = values
+        return grid
+
+    @staticmethod
+    def _lines(grid):
+        return find_contours(grid, 0.0)

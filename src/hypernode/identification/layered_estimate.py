@@ -1,0 +1,72 @@
+"""A field of two materials in layers where the line between them cuts cells."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.identification.estimate import Estimate
+from hypernode.identification.few_materials import ReducedEquations
+from hypernode.mechanics.convex_basis import ConvexBasis
+
+#: Share of a cell below which a layer of it is none.
+SMALLEST_SHARE = 1e-9
+
+
+@dataclasses.dataclass(frozen=True)
+class LayeredEstimate(Estimate):
+    """Two materials and the line between them.
+
+    Attributes:
+        free: the field of mixtures that it was found near, whose posterior samples are kept around it.
+        materials: parameters of both (2, parameter).
+        distance: of every node from the line, positive where the first material is (node,).
+        equations: how materials and line answer to loads, of the data that hold them.
+        determined: how many numbers data determine of them.
+    """
+
+    free: Estimate = None
+    materials: np.ndarray = None
+    distance: np.ndarray = None
+    equations: Callable = None
+    determined: float = 0.0
+
+    @property
+    def basis(self) -> ConvexBasis:
+        """The law of both materials."""
+        return self.problem.basis.law
+
+    @property
+    def effective_parameters(self) -> float:
+        """How many numbers of materials and line the data determine."""
+        return self.determined
+
+    def answers(self, curvature: Callable) -> ReducedEquations:
+        """How materials and line answer to loads."""
+        return self.equations(curvature)
+
+    @property
+    def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
+        """Parameters of the two layers, or of the same material twice, whose mean is the stress of the cell.
+
+        The factor of the stress, an exponential of the first parameter, has the share of a layer in it.
+        """
+        share = self.params[:, self.problem.basis.names.index("share")]
+        share = np.where(share < SMALLEST_SHARE, 0.0, np.where(share > 1.0 - SMALLEST_SHARE, 1.0, share))
+        whole = (share == 0.0) | (share == 1.0)
+        shares = np.where(whole, 0.5, np.stack([share, 1.0 - share]))
+        owner = np.where(whole, (share == 0.0).astype(int), np.arange(2)[:, None])
+        parts = np.moveaxis(self.materials[owner], -1, 0)
+        parts[0] += np.log(2.0 * shares)
+        return parts
+
+    def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
+        """What the free field leaves open, around this one: that both sides are one material each is a hypothesis."""
+        open_to = self.free.samples(count, seed) - self.free.by_parts[:, None]
+        return self.by_parts[:, None] + open_to
+
+    @property
+    def material_count(self) -> int:
+        """Two."""
+        return len(self.materials)

@@ -1,0 +1,80 @@
+"""Noisy sheets of two materials whose interface cuts cells: two materials and a line, where that is the likelier."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.gauss_newton import descend
+from hypernode.identification.layered import in_layers
+from hypernode.identification.layered_estimate import LayeredEstimate
+from hypernode.identification.left_out import predict_left_out
+from hypernode.identification.problem import field_problem
+from hypernode.mechanics.loads import make_load
+from tests.sheets import believed, observed_coarsely
+
+NOISE, CELLS = 1e-3, 12
+SETTINGS = Constrained(terms=[], layers=True)
+
+
+def disc(X):
+    return (np.linalg.norm(X - [0.48, 0.53], axis=1) < 0.27).astype(float)
+
+
+def free_field(inclusion):
+    """(noisy field of mixtures of a sheet that was computed on twice as many cells, share of the inclusion)."""
+    data, share = observed_coarsely(CELLS, inclusion, make_load("equibiaxial", [1.05, 1.1, 1.15]), 0.0)
+    noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
+    data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE).assign_attrs(grid="measured")
+    problem = field_problem(data, SETTINGS)
+    assert problem.noisy and not problem.observations.own_grid
+    return descend(problem, SETTINGS, "sheet", None, (), SETTINGS.tolerance), share
+
+
+@pytest.fixture(scope="module")
+def of_a_disc():
+    """(free field, the one in layers, share of the inclusion in every cell)."""
+    free, share = free_field(disc)
+    return free, in_layers(free, SETTINGS, "sheet"), share
+
+
+def test_two_materials_and_the_line_between_them_are_found(of_a_disc):
+    free, found, share = of_a_disc
+    assert isinstance(found, LayeredEstimate) and found.material_count == 2
+    assert found.information_criterion < free.information_criterion
+    stiff, soft = np.exp(found.materials[:, 0])
+    assert stiff / soft == pytest.approx(2.0, rel=0.03)
+    names = found.problem.basis.names
+    assert np.abs(found.params[:, names.index("share")] - share).mean() < 0.02
+    assert found.unexplained <= 1.0 and abs(found.excess) < 3.0
+
+
+def test_the_parts_of_a_cell_are_its_layers_by_their_shares(of_a_disc):
+    _, found, _ = of_a_disc
+    share = found.params[:, found.problem.basis.names.index("share")]
+    assert ((share > 0.1) & (share < 0.9)).sum() > 5
+    F = jnp.array([[1.1, 0.02], [0.0, 1.05]])[:, :, None]
+    parts = np.mean([found.basis.stress(F, part) for part in np.moveaxis(found.by_parts, 1, 0)], axis=0)
+    A, B = (np.asarray(found.basis.stress(F, each[:, None])) for each in found.materials)
+    np.testing.assert_allclose(parts, share * A + (1.0 - share) * B, rtol=1e-6)
+
+
+def test_samples_scatter_around_the_layers_as_they_do_around_the_free_field(of_a_disc):
+    free, found, _ = of_a_disc
+    around = found.samples(3, 1) - found.by_parts[:, None]
+    expected = free.samples(3, 1) - free.by_parts[:, None]
+    assert found.samples(3, 1).shape == (1, 3, 2, CELLS**2)
+    np.testing.assert_allclose(around, np.broadcast_to(expected, around.shape), atol=1e-12)
+
+
+def test_a_left_out_step_is_predicted_by_chance(of_a_disc):
+    _, found, _ = of_a_disc
+    predicted = predict_left_out(found)
+    assert abs(predicted.displacement - 1.0) < 4.0 / np.sqrt(2.0 * predicted.observed) and predicted.force < 3.0
+
+
+def test_mixtures_stay_where_nobody_asks_for_layers_and_where_stiffness_has_a_slope(of_a_disc):
+    free, _, _ = of_a_disc
+    assert in_layers(free, Constrained(terms=[]), "sheet") is free
+    slope, _ = free_field(lambda X: X[:, 0])
+    assert in_layers(slope, SETTINGS, "sheet") is slope
