@@ -67,20 +67,23 @@ class _Descent:
         materials, line = self._start, self._line
         states, history, best, ending = self._found.states, [], None, Ending.OUT_OF_ITERATIONS
         progress = Progress("constrained field, two materials", self._name, strategy.layer_rounds)
+        moved = np.inf
         for _ in range(strategy.layer_rounds):
-            line = self._lines.distance(line, strategy.layer_fewest)
+            if moved > strategy.layer_true:
+                line = self._lines.distance(line, strategy.layer_fewest)
             round_ = self._round(materials, line, states)
             if round_ is None:
                 break
+            moved = float(np.abs(round_[1] - line)[np.abs(line) < strategy.layer_reach].max(initial=0.0))
             materials, line, states, normals = round_
             ended = self._estimate(materials, line, states, normals)
             history.append(ended.history[-1])
             progress.advance(misfit=history[-1], cost=ended.cost)
-            if best is not None and best.cost - ended.cost < strategy.layer_gain:
+            gained = np.inf if best is None else best.cost - ended.cost
+            best = ended if gained > 0.0 else best
+            if gained < strategy.layer_gain and moved <= strategy.layer_true:
                 ending = Ending.CONVERGED
-                best = min(best, ended, key=lambda each: each.cost)
                 break
-            best = ended
         if best is None:
             return None
         say("constrained field", self._name, f"two materials and a line, {ending}: {best.summary}")

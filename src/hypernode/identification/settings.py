@@ -95,7 +95,7 @@ class Strategy:
     largest_step: float = 1.0
     #: First step tried once jumps stop costing more: a step minimises a quadratic above the penalty, and falls short.
     over_relaxation: float = 1.7
-    #: Factor from one trial of a line search to the next, and trials in the clipped and in the whole direction.
+    #: Factor between trials of a line search, and how many in the clipped and in the whole direction.
     fraction: float = 0.4
     clipped_trials: int = 2
     scaled_trials: int = 5
@@ -113,8 +113,8 @@ class Strategy:
     # Linear solves.
     #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
     cg_iterations: tuple[int, int] = (150, 200)
-    #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. The
-    #: valleys on the way are narrow; a loose step crosses them to and fro, and where that ends is chance.
+    #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. On
+    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
     cg_tolerance: tuple[float, float] = (0.001, 0.003)
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
@@ -159,11 +159,10 @@ class Strategy:
     #: Without fibres a descent ends where it no longer comes closer quickly, as it does not where there are fibres.
     isotropic_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3, above=2.0),)
 
-    # Other minima.
+    #: Other minima.
     perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
 
-    # Phases of one material each.
-    #: How many are tried at most.
+    #: Phases of one material each: how many are tried at most.
     most_phases: int = 4
     #: Rounds of materials and contours after which a field of phases is left as it is, and steps of the materials.
     phase_rounds: int = 10
@@ -184,14 +183,15 @@ class Strategy:
     #: Columns of the Jacobian at a time, for memory.
     columns_at_once: int = 128
 
-    #: Two materials in layers: rounds that measure distances anew, steps of each, and what both must gain.
-    layer_rounds: int = 8
+    #: Two materials in layers: rounds of a line's normals, steps of each, and what both must gain.
+    layer_rounds: int = 12
     layer_steps: int = 4
     layer_gain: float = 0.5
-    #: In sides of cells: how near the line distances change, and bend, and a usual bend: a circle of three.
+    #: In sides of cells: how near the line distances change, and bend; a usual bend; a move to measure them after.
     layer_reach: float = 1.6
     layer_bent: float = 0.8
     layer_bend: float = 0.3
+    layer_true: float = 0.5
     #: Inverse variance of distances that data do not tell. Regions of fewer nodes than a cell has are none.
     layer_held: float = 0.3
     layer_fewest: int = 4
