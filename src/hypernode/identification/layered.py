@@ -67,21 +67,20 @@ class _Descent:
         materials, line = self._start, self._line
         states, history, best, ending = self._found.states, [], None, Ending.OUT_OF_ITERATIONS
         progress = Progress("constrained field, two materials", self._name, strategy.layer_rounds)
-        moved = np.inf
-        for _ in range(strategy.layer_rounds):
-            if moved > strategy.layer_true:
+        for number in range(strategy.layer_rounds):
+            # To measure them anew bends what has become smooth: once the line is near its place they stay.
+            if number < strategy.layer_measured:
                 line = self._lines.distance(line, strategy.layer_fewest)
             round_ = self._round(materials, line, states)
             if round_ is None:
                 break
-            moved = float(np.abs(round_[1] - line)[np.abs(line) < strategy.layer_reach].max(initial=0.0))
             materials, line, states, normals = round_
             ended = self._estimate(materials, line, states, normals)
             history.append(ended.history[-1])
             progress.advance(misfit=history[-1], cost=ended.cost)
             gained = np.inf if best is None else best.cost - ended.cost
-            best = ended if gained > 0.0 else best
-            if gained < strategy.layer_gain and moved <= strategy.layer_true:
+            best = ended
+            if gained < strategy.layer_gain and number > strategy.layer_measured:
                 ending = Ending.CONVERGED
                 break
         if best is None:
@@ -169,7 +168,8 @@ class _Descent:
         gradient = J.T @ np.concatenate(white(states))
         gradient += held @ np.concatenate([x[:count] - self._centre, x[count:]])
         curvature, before = J.T @ J + held.toarray(), cost(x, states)
-        floor = np.concatenate([np.zeros(count), np.full(len(nodes), strategy.layer_held)])
+        # What data do not tell of materials would take the longest step, and hold up all else.
+        floor = np.repeat([strategy.largest_step**-2.0, strategy.layer_held], [count, len(nodes)])
         for damping in strategy.phase_damping:
             change = -np.linalg.solve(curvature + np.diag(damping * np.diag(curvature) + floor), gradient)
             change *= min(1.0, strategy.largest_step / np.abs(change).max())

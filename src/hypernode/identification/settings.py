@@ -187,13 +187,13 @@ class Strategy:
     layer_rounds: int = 12
     layer_steps: int = 4
     layer_gain: float = 0.5
-    #: In sides of cells: how near the line distances change, and bend; a usual bend; a move to measure them after.
+    #: Rounds that measure distances anew. In sides of cells: how near the line they change, and bend; a usual bend.
+    layer_measured: int = 3
     layer_reach: float = 1.6
     layer_bent: float = 0.8
     layer_bend: float = 0.3
-    layer_true: float = 0.5
-    #: Inverse variance of distances that data do not tell. Regions of fewer nodes than a cell has are none.
-    layer_held: float = 0.3
+    #: Inverse variance of what a step changes of distances without data. Regions of fewer nodes than a cell's are none.
+    layer_held: float = 3.0
     layer_fewest: int = 4
 
     # Coarse grid first.
