@@ -96,7 +96,7 @@ class ContourLines:
             small = (regions > 0) & (size[regions] < fewest)
             grid[small] = -0.5 * sign
         signs = np.sign(grid[self._place])
-        lines = self._lines(grid)
+        lines = find_contours(grid, 0.0)
         if not lines:
             return signs * np.inf
         step = np.linspace(0.0, 1.0, POINTS, endpoint=False)[:, None]
@@ -108,7 +108,7 @@ class ContourLines:
         """Length of the line."""
         lines = self.mesh.lines
         total = 0.0
-        for line in self._lines(self._on_grid(distance)):
+        for line in find_contours(self._on_grid(distance), 0.0):
             y, x = (np.interp(line[:, k], np.arange(self._shape[k]), lines[1 - k]) for k in range(2))
             total += float(np.hypot(np.diff(x), np.diff(y)).sum())
         return total
@@ -129,7 +129,3 @@ class ContourLines:
         grid = np.full(self._shape, np.nan)
         grid[self._place] = values
         return grid
-
-    @staticmethod
-    def _lines(grid):
-        return find_contours(grid, 0.0)

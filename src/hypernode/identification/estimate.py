@@ -57,6 +57,11 @@ class Estimate:
         return 0 if self.phases is None else len(self.phases.materials)
 
     @property
+    def layered(self) -> bool:
+        """Whether cells that an interface cuts are layers of two materials."""
+        return False
+
+    @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
         """Parameters of the parts of every measured cell, row by row, whose mean is the cell's stress."""
         return self.params.T[:, self.problem.refinement.subcells.T]

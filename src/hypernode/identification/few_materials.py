@@ -6,7 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse
 import scipy.sparse.csgraph
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
+from skimage.filters import threshold_otsu
 
 from hypernode.fem.mesh import Mesh
 
@@ -42,6 +43,33 @@ class Phases:
         alike = pairs[self.labels[pairs[:, 0]] == self.labels[pairs[:, 1]]]
         joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(self.labels),))
         return int(scipy.sparse.csgraph.connected_components(joined, directed=False, return_labels=False))
+
+
+def at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Cells that touch another phase, at a side or a corner."""
+    pairs = mesh.touching()
+    found = np.zeros(len(labels), dtype=bool)
+    found[pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]] = True
+    return found
+
+
+def split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
+    """Labels with one phase more: the cells above Otsu's threshold in the phase whose stiffness varies most in all."""
+    spread = [((level[labels == k] - level[labels == k].mean()) ** 2).sum() for k in range(labels.max() + 1)]
+    cells = np.flatnonzero(labels == int(np.argmax(spread)))
+    finer = labels.copy()
+    if np.ptp(level[cells]) > 0.0:
+        high = level[cells] > threshold_otsu(level[cells])
+        half_way = 0.5 * (np.median(level[cells[high]]) + np.median(level[cells[~high]]))
+        finer[cells[level[cells] > half_way]] = labels.max() + 1
+    return finer
+
+
+def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
+    """Median parameters of every phase, off its contours as far as it has such cells."""
+    inside = ~at_contours(mesh, labels)
+    members = [labels == k for k in range(labels.max() + 1)]
+    return np.array([np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members])
 
 
 class ReducedEquations:

@@ -14,12 +14,10 @@ from jaxtyping import Int
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.contour import ContourLines
-from hypernode.fem.mesh import Mesh
 from hypernode.identification.estimate import Estimate
-from hypernode.identification.few_materials import ReducedEquations
+from hypernode.identification.few_materials import at_contours, medians, split
 from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.objective import white_residuals
-from hypernode.identification.phases import medians, split
 from hypernode.identification.problem import FieldProblem, with_law
 from hypernode.mechanics.layers import Layers
 from hypernode.progress import Progress, say
@@ -56,7 +54,7 @@ class _Descent:
         fields = self._start[:1], self._start[1:], found.params
         stiff, soft, each = (np.exp(found.problem.stiffness(field)[0]) for field in fields)
         mixed = np.clip((each - soft) / (stiff - soft), 0.0, 1.0)
-        self._line = self._lines.through(np.where(_at_contours(found.problem.mesh, labels), mixed, labels))
+        self._line = self._lines.through(np.where(at_contours(found.problem.mesh, labels), mixed, labels))
         ridge = found.objective.ridge.reshape(found.params.shape)[0]
         self._ridge = np.tile(ridge, 2)
         self._centre = np.tile(found.objective.centre.reshape(found.params.shape)[0], 2)
@@ -189,13 +187,9 @@ class _Descent:
         params = self._params(materials, line, normals)
         linear = problem.linearise(params, states, problem.sigma)
         nodes, bends = self._near(line)
-        columns = self._columns(line, nodes)
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         floor = np.concatenate([0.0 * self._ridge, np.full(len(nodes), self._strategy.layer_held)])
         held = _held(self._ridge, bends) + scipy.sparse.diags(floor)
-        J = self._derivative(linear, line, nodes)
-        curvature = J.T @ J
-        determined = float(np.trace(np.linalg.solve(curvature + held.toarray(), curvature)))
         jump = objective.regulariser.between(materials, objective.jump_cost)[0, 1]
         unit = self._strategy.unit_length(problem.observations.grid.areas)
         cost = objective.misfits(states, problem.sigma, linear)
@@ -213,17 +207,9 @@ class _Descent:
             free=found,
             materials=materials,
             distance=line,
-            equations=lambda data: ReducedEquations(data, columns, held),
-            determined=determined,
+            columns=self._columns(line, nodes),
+            held=held,
         )
-
-
-def _at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]):
-    """Which cells touch one of the other label."""
-    pairs = mesh.touching()
-    found = np.zeros(len(labels), dtype=bool)
-    found[pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]] = True
-    return found
 
 
 def _held(ridge, bends) -> scipy.sparse.csr_matrix:

@@ -1,9 +1,11 @@
 """A field of two materials in layers where the line between them cuts cells."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse
 from jaxtyping import Float
 
 from hypernode.identification.estimate import Estimate
@@ -22,29 +24,30 @@ class LayeredEstimate(Estimate):
         free: the field of mixtures that it was found near, whose posterior samples are kept around it.
         materials: parameters of both (2, parameter).
         distance: of every node from the line, positive where the first material is (node,).
-        equations: how materials and line answer to loads, of the data that hold them.
-        determined: how many numbers data determine of them.
+        columns: derivative of the flattened field by materials and distances near the line.
+        held: inverse covariance of these without data.
     """
 
     free: Estimate = None
     materials: np.ndarray = None
     distance: np.ndarray = None
-    equations: Callable = None
-    determined: float = 0.0
+    columns: scipy.sparse.csc_matrix = None
+    held: scipy.sparse.csr_matrix = None
 
     @property
     def basis(self) -> ConvexBasis:
         """The law of both materials."""
         return self.problem.basis.law
 
-    @property
+    @functools.cached_property
     def effective_parameters(self) -> float:
         """How many numbers of materials and line the data determine."""
-        return self.determined
+        whole, held = self.answers(self.linear.curvature).matrix, self.held.toarray()
+        return float(np.trace(np.linalg.solve(whole, whole - held)))
 
     def answers(self, curvature: Callable) -> ReducedEquations:
         """How materials and line answer to loads."""
-        return self.equations(curvature)
+        return ReducedEquations(curvature, self.columns, self.held)
 
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
@@ -65,6 +68,11 @@ class LayeredEstimate(Estimate):
         """What the free field leaves open, around this one: that both sides are one material each is a hypothesis."""
         open_to = self.free.samples(count, seed) - self.free.by_parts[:, None]
         return self.by_parts[:, None] + open_to
+
+    @property
+    def layered(self) -> bool:
+        """They are."""
+        return True
 
     @property
     def material_count(self) -> int:

@@ -10,14 +10,12 @@ import dataclasses
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float, Int
-from skimage.filters import threshold_otsu
+from jaxtyping import Int
 
 from hypernode.config.methods import Constrained
-from hypernode.fem.mesh import Mesh
 from hypernode.identification.contours import ContourModel, changes_of_field, doubtful, options_at_contours, relabelled
 from hypernode.identification.estimate import Estimate
-from hypernode.identification.few_materials import MaterialEquations, Phases
+from hypernode.identification.few_materials import MaterialEquations, Phases, medians, split
 from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import first_field, objective_at_end
 from hypernode.identification.objective import Objective
@@ -82,27 +80,6 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
 def _criterion(found: Estimate) -> float:
     """The information criterion among fields of phases: each region pays for the places that it might be at as well."""
     return found.information_criterion + found.phases.regions(found.problem.mesh) * np.log(len(found.params))
-
-
-def split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
-    """Labels with one phase more: the cells above Otsu's threshold in the phase whose stiffness varies most in all."""
-    spread = [((level[labels == k] - level[labels == k].mean()) ** 2).sum() for k in range(labels.max() + 1)]
-    cells = np.flatnonzero(labels == int(np.argmax(spread)))
-    finer = labels.copy()
-    if np.ptp(level[cells]) > 0.0:
-        high = level[cells] > threshold_otsu(level[cells])
-        half_way = 0.5 * (np.median(level[cells[high]]) + np.median(level[cells[~high]]))
-        finer[cells[level[cells] > half_way]] = labels.max() + 1
-    return finer
-
-
-def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
-    """Median parameters of every phase, off its contours as far as it has such cells."""
-    pairs = mesh.touching()
-    inside = np.ones(len(labels), dtype=bool)
-    inside[pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]] = False
-    members = [labels == k for k in range(labels.max() + 1)]
-    return np.array([np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members])
 
 
 def _reached(objective: Objective, phases: Phases, near: Estimate) -> Estimate | None:

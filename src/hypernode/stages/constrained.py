@@ -7,7 +7,6 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.strategy import identify
@@ -60,7 +59,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
             "materials": found.material_count,
-            "layered": isinstance(found, LayeredEstimate),
+            "layered": found.layered,
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
