@@ -8,7 +8,8 @@ from hypernode import cli
 from hypernode.pipeline import liveness
 from hypernode.pipeline.liveness import at_work, shown_alive
 
-BEAT, WATCH = 0.05, 0.3
+# Twenty beats, since a busy machine is late.
+BEAT, WATCH = 0.05, 1.0
 WORKER = """
 import sys, time
 from pathlib import Path
@@ -35,6 +36,13 @@ def test_who_was_killed_counts_no_more_and_its_sign_is_taken_away(tmp_path):
     assert seen and list((tmp_path / "alive").iterdir())
     assert at_work(tmp_path / "alive", WATCH) == []
     assert not list((tmp_path / "alive").iterdir())
+
+
+def test_a_sign_is_whole_whenever_it_is_read(tmp_path):
+    with shown_alive("forward (case X)", tmp_path, beat=1e-4):
+        read = [text for _ in range(3000) for text in liveness._counts(tmp_path).values()]
+    assert len(set(read)) > 3, "the sign has to change while it is read"
+    assert all(text.startswith("forward (case X) on ") and text.endswith("\n") for text in read)
 
 
 def test_outside_a_run_no_sign_is_left_and_nobody_waits(tmp_path):

@@ -31,10 +31,11 @@ def shown_alive(what: str, folder: Path = FOLDER, beat: float = BEAT):
     sign, over = folder.absolute() / secrets.token_hex(8), threading.Event()
 
     def show(beats: int):
-        # A full disk stops nobody from working.
+        # A full disk stops nobody from working. Renamed into place, so that whoever reads meanwhile reads all of it.
         with contextlib.suppress(OSError):
             sign.parent.mkdir(exist_ok=True)
-            sign.write_text(f"{what} on {platform.node()}\n{beats}\n", encoding="utf-8")
+            _draft(sign).write_text(f"{what} on {platform.node()}\n{beats}\n", encoding="utf-8")
+            _draft(sign).replace(sign)
 
     def count():
         beats = 0
@@ -51,8 +52,7 @@ def shown_alive(what: str, folder: Path = FOLDER, beat: float = BEAT):
     finally:
         over.set()
         counting.join()
-        with contextlib.suppress(OSError):
-            sign.unlink(missing_ok=True)
+        _take_away(sign)
 
 
 def at_work(folder: Path = FOLDER, watch: float = WATCH) -> list[str]:
@@ -68,14 +68,23 @@ def at_work(folder: Path = FOLDER, watch: float = WATCH) -> list[str]:
     after = _counts(folder)
     alive = {sign for sign, text in after.items() if text != before.get(sign)}
     for sign in set(after) - alive:
-        with contextlib.suppress(OSError):
-            sign.unlink(missing_ok=True)
+        _take_away(sign)
     return sorted(after[sign].partition("\n")[0] for sign in alive)
+
+
+def _draft(sign: Path) -> Path:
+    return sign.with_name(f".{sign.name}")
+
+
+def _take_away(sign: Path):
+    for each in (sign, _draft(sign)):
+        with contextlib.suppress(OSError):
+            each.unlink(missing_ok=True)
 
 
 def _counts(folder: Path) -> dict[Path, str]:
     found = {}
-    for sign in sorted(folder.glob("*")):
+    for sign in sorted(folder.glob("[!.]*")):
         with contextlib.suppress(OSError):
             found[sign] = sign.read_text(encoding="utf-8")
     return found
