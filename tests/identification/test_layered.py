@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
+from hypernode.evaluation.equilibrium import nodal_forces
+from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.layered import in_layers
 from hypernode.identification.layered_estimate import LayeredEstimate
@@ -57,6 +59,19 @@ def test_the_parts_of_a_cell_are_its_layers_by_their_shares(of_a_disc):
     parts = np.mean([found.basis.stress(F, part) for part in np.moveaxis(found.by_parts, 1, 0)], axis=0)
     A, B = (np.asarray(found.basis.stress(F, each[:, None])) for each in found.materials)
     np.testing.assert_allclose(parts, share * A + (1.0 - share) * B, rtol=1e-6)
+
+
+def test_layers_are_in_equilibrium_where_the_mean_of_both_at_one_deformation_is_not(of_a_disc):
+    _, found, _ = of_a_disc
+    mesh, state = found.problem.mesh, found.states[-1]
+    F = deformation_gradient(mesh, state.u)[None]
+    at_one = [found.basis.stress(np.moveaxis(F[0], 0, -1), part) for part in np.moveaxis(found.by_parts, 1, 0)]
+    at_one = np.moveaxis(np.mean(at_one, axis=0), -1, 0)[None]
+
+    def left(P):
+        return np.linalg.norm(nodal_forces(mesh, P)[0].ravel()[state.free])
+
+    assert left(at_one + found.jump_stress(F)) < 0.3 * left(at_one)
 
 
 def test_samples_scatter_around_the_layers_as_they_do_around_the_free_field(of_a_disc):

@@ -64,6 +64,13 @@ class LayeredEstimate(Estimate):
         parts[0] += np.log(2.0 * shares)
         return parts
 
+    def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
+        """What cells give way by the jump of the deformation across the interface: layers less both sides at one F."""
+        F = np.moveaxis(F, (2, 3), (0, 1))
+        layers = self.problem.basis.stress(F, self.params.T[:, None])
+        sides = [self.basis.stress(F, part[:, None]) for part in np.moveaxis(self.by_parts, 1, 0)]
+        return np.moveaxis(np.asarray(layers - np.mean(sides, axis=0)), (0, 1), (2, 3))
+
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
         """What the free field leaves open, around this one: that both sides are one material each is a hypothesis."""
         open_to = self.free.samples(count, seed) - self.free.by_parts[:, None]

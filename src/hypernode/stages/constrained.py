@@ -38,6 +38,9 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables |= content | seen
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
+    jump = found.jump_stress(F)
+    if jump is not None:
+        variables["P_jump"] = jump
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}

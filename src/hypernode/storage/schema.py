@@ -157,6 +157,7 @@ VARIABLES = {
         "misfit of the displacements around a cell over that of the sheet, or over noise where that is more",
     ),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
+    "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of layers less that of both at one F"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),
