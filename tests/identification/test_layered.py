@@ -93,3 +93,8 @@ def test_mixtures_stay_where_nobody_asks_for_layers_and_where_stiffness_has_a_sl
     assert in_layers(free, Constrained(terms=[]), "sheet") is free
     slope, _ = free_field(lambda X: X[:, 0])
     assert in_layers(slope, SETTINGS, "sheet") is slope
+
+
+def test_a_sheet_of_one_material_gets_no_second_one():
+    free, _ = free_field(lambda X: np.zeros(len(X)))
+    assert in_layers(free, SETTINGS, "sheet") is free

@@ -20,8 +20,10 @@ from jaxtyping import Array, Float
 
 from hypernode.mechanics.point_law import PointLaw
 
-#: Steps of Newton's method for the jump: quadratic from where strains of the sides differ by some tenths.
+#: Steps of Newton's method for the jump at most: quadratic from where strains of the sides differ by some tenths.
 NEWTON_STEPS = 8
+#: Change of the jump from which on two steps more, which square it each, leave nothing but rounding.
+SMALL_STEP = 1e-5
 #: Largest change of the jump in a step, so that no side is turned inside out on the way.
 LARGEST_STEP = 0.2
 
@@ -82,14 +84,19 @@ class Layers:
         given = F, A, B, c, N
         fixed = jax.lax.stop_gradient(given)
 
-        def step(_, a):
+        def goes_on(reached):
+            number, size, _ = reached
+            return (number < NEWTON_STEPS) & (size.max() > SMALL_STEP)
+
+        def step(reached):
+            number, _, a = reached
             change = _solved(slopes(a, *fixed), difference(a, *fixed))
             size = jnp.sqrt((change**2).sum(axis=0))
-            return a - change * jnp.minimum(1.0, LARGEST_STEP / jnp.maximum(size, LARGEST_STEP))
+            return number + 1, size, a - change * jnp.minimum(1.0, LARGEST_STEP / jnp.maximum(size, LARGEST_STEP))
 
         batch = jnp.broadcast_shapes(F.shape[2:], *(jnp.shape(p) for p in params))
-        start = jnp.zeros((2, *batch), F.dtype)
-        near = jax.lax.stop_gradient(jax.lax.fori_loop(0, NEWTON_STEPS, step, start))
+        begun = 0, jnp.full(batch, jnp.inf, F.dtype), jnp.zeros((2, *batch), F.dtype)
+        near = jax.lax.stop_gradient(jax.lax.while_loop(goes_on, step, begun)[-1])
         a = near - _solved(jax.lax.stop_gradient(slopes(near, *fixed)), difference(near, *given))
         P_A, P_B = sides(a, *given)
         return jnp.exp(factor) * (c * P_A + (1.0 - c) * P_B)
