@@ -60,7 +60,7 @@ def test_options_without_meaning_are_refused(words, why, asked, capsys):
     assert why in capsys.readouterr().err and not asked
 
 
-def believed(level="pass", forces="measured", name="displacements", field=True, layered="false"):
+def believed(level="pass", forces="measured", name="displacements", field=True):
     stored = verdict(level)
     for criterion in stored["criteria"]:
         if criterion["level"] == "fail":
@@ -69,7 +69,7 @@ def believed(level="pass", forces="measured", name="displacements", field=True, 
         "evaluation": xr.Dataset(attrs={"verdict": json.dumps(stored)}),
         "measurement": xr.Dataset(attrs={"forces": forces}),
     }
-    return files | ({"constrained": xr.Dataset(attrs={"layered": layered})} if field else {})
+    return files | ({"constrained": xr.Dataset()} if field else {})
 
 
 @pytest.mark.parametrize(
@@ -77,11 +77,10 @@ def believed(level="pass", forces="measured", name="displacements", field=True, 
     [
         (believed("fail"), "the verdict is fail, and a field .* over their noise is 3.21"),
         (believed(forces="assumed"), "the next test worth doing is the same one with its force"),
-        (believed(layered="true"), "are layers of two materials .* ask a run of the same sheet without"),
         (believed(field=False), "has no equilibrium field to ask"),
     ],
 )
-def test_a_run_is_refused_that_does_not_explain_its_test_has_no_force_no_field_or_layers(files, why):
+def test_a_run_is_refused_that_does_not_explain_its_test_has_no_force_or_no_field(files, why):
     with pytest.raises(AdviceError, match=why):
         stage._believed("c/m", files)
 

@@ -69,10 +69,10 @@ def draw(data, settings: dict):
     stress = indicator_label(evaluation.attrs["load"], units)
     figure = plt.figure(figsize=(7.2, 4.2))
     fields = (
-        ([0.02, 0.59, 0.2, 0.33], size, FIELD_MAP, "measured displacement", "$|u|$" + unit_label(units["length"])),
-        ([0.33, 0.59, 0.2, 0.33], strain, STRAIN_MAP, "deformation", "max. principal strain [-]"),
+        ([0.02, 0.53, 0.2, 0.33], size, FIELD_MAP, "measured displacement", "$|u|$" + unit_label(units["length"])),
+        ([0.33, 0.53, 0.2, 0.33], strain, STRAIN_MAP, "deformation", "max. principal strain [-]"),
         (
-            [0.02, 0.12, 0.2, 0.33],
+            [0.02, 0.07, 0.2, 0.33],
             found,
             FIELD_MAP,
             f"material, all at {evaluation.attrs['shape_stretch']:.3g}",
@@ -88,17 +88,17 @@ def draw(data, settings: dict):
         colour_bar(figure, axes, mappable, label)
     outline(axes, evaluation, evaluation["shape"].values)
     mark_places(axes, evaluation)
-    _box(figure, (0.645, 0.69, 0.15, 0.13), "hyper-network\n$X$ $\\to$ weights of\nneural ODEs")
-    _box(figure, (0.835, 0.69, 0.155, 0.13), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
-    _box(figure, (0.835, 0.36, 0.155, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge\nforces = load cell")
-    _curves(figure.add_axes([0.44, 0.12, 0.29, 0.33]), evaluation)
+    _box(figure, (0.645, 0.63, 0.15, 0.13), "hyper-network\n$X$ $\\to$ weights of\nneural ODEs")
+    _box(figure, (0.835, 0.63, 0.155, 0.13), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
+    _box(figure, (0.835, 0.33, 0.155, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge\nforces = load cell")
+    _curves(figure.add_axes([0.44, 0.11, 0.29, 0.29]), evaluation)
     for start, end in (
-        ((0.285, 0.755), (0.322, 0.755)),
-        ((0.597, 0.755), (0.64, 0.755)),
-        ((0.8, 0.755), (0.83, 0.755)),
-        ((0.9125, 0.685), (0.9125, 0.505)),
-        ((0.83, 0.42), (0.74, 0.33)),
-        ((0.355, 0.285), (0.3, 0.285)),
+        ((0.285, 0.695), (0.322, 0.695)),
+        ((0.597, 0.695), (0.64, 0.695)),
+        ((0.8, 0.695), (0.83, 0.695)),
+        ((0.9125, 0.625), (0.9125, 0.475)),
+        ((0.83, 0.4), (0.74, 0.31)),
+        ((0.355, 0.235), (0.3, 0.235)),
     ):
         _arrow(figure, start, end)
     return figure

@@ -61,10 +61,6 @@ class Estimate:
         """Whether cells that an interface cuts are layers of two materials."""
         return False
 
-    def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"] | None:
-        """What the stress of cells at F is beyond the mean of that of their parts; None where it is that mean."""
-        return None
-
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
         """Parameters of the parts of every measured cell, row by row, whose mean is the cell's stress."""

@@ -30,7 +30,7 @@ def in_layers(found: Estimate, settings: Constrained, name: str) -> Estimate:
     problem = found.problem
     observations = problem.observations
     may_be = problem.noisy and not observations.own_grid and not problem.divided and observations.by_points
-    if not (settings.layers and may_be):
+    if not (settings.layers and may_be) or found.unexplained > 1.0:
         return found
     level, _ = problem.stiffness(found.params)
     labels = split(level, np.zeros(len(level), dtype=int))
@@ -66,25 +66,23 @@ class _Descent:
 
     def end(self) -> LayeredEstimate | None:
         """Where the descent ends; None where it finds no equilibrium, or less than a cell of a material is left."""
-        strategy, measured = self._strategy, self._strategy.layer_measured
+        strategy = self._strategy
         materials, line, states = self._start, self._line, self._found.states
         history, best, ending = [], None, Ending.OUT_OF_ITERATIONS
         progress = Progress("constrained field, two materials", self._name, strategy.layer_rounds)
         for number in range(strategy.layer_rounds):
             # To measure them anew bends what has become smooth: once the line is near its place they stay.
-            if number < measured:
+            if number < strategy.layer_measured:
                 line = self._lines.distance(line, strategy.layer_fewest)
-            ended = self._round(materials, line, states, corners=number >= measured)
+            ended = self._round(materials, line, states)
             if ended is None:
                 break
             history.append(ended.history[-1])
             progress.advance(misfit=history[-1], cost=ended.cost)
             gained = np.inf if best is None else best.cost - ended.cost
-            if number < measured and gained < 0.0:
-                measured, ended = number + 1, best
             best = ended
             materials, line, states = best.materials, best.distance, best.states
-            if gained < strategy.layer_gain and number > measured:
+            if gained < strategy.layer_gain and number > strategy.layer_measured:
                 ending = Ending.CONVERGED
                 break
         if best is None:
@@ -100,21 +98,15 @@ class _Descent:
         params = self._params(materials, line, normals)
         return self._problem.equilibrium.states(params, [state.u for state in near])
 
-    def _near(self, line, corners: bool):
-        """(nodes whose distance may change, second differences of it that should be small).
-
-        With corners, by Cauchy's weights: a corner is one large bend, and no smaller ones elsewhere make up for it.
-        """
+    def _near(self, line):
+        """(nodes whose distance may change, second differences of it that should be small)."""
         nodes = np.flatnonzero(np.abs(line) < self._strategy.layer_reach)
         bends, inside = self._lines.bends, np.zeros(len(line))
         inside[nodes] = 1.0
         whole = np.asarray(abs(bends).sum(axis=1)).ravel() - abs(bends) @ inside < 0.5
         middle = np.asarray(bends.argmin(axis=1)).ravel()
         rows = whole & (np.abs(line[middle]) < self._strategy.layer_bent)
-        bends = bends[np.flatnonzero(rows)][:, nodes] / self._strategy.layer_bend
-        if corners:
-            bends = scipy.sparse.diags(1.0 / np.sqrt(1.0 + (bends @ line[nodes]) ** 2)) @ bends
-        return nodes, bends
+        return nodes, bends[np.flatnonzero(rows)][:, nodes] / self._strategy.layer_bend
 
     def _columns(self, line, nodes):
         """Derivative of the flattened field by both materials and the distances of some nodes."""
@@ -141,7 +133,7 @@ class _Descent:
         J[:, known] = linear.product(columns[:, known].toarray())
         return J
 
-    def _round(self, materials, line, states, corners: bool) -> LayeredEstimate | None:
+    def _round(self, materials, line, states) -> LayeredEstimate | None:
         """What some steps near a line lead to; None as of :meth:`end`.
 
         Its normals are those of the start: where two lines come close they turn with the least change of distances.
@@ -150,8 +142,9 @@ class _Descent:
         states = self._states(materials, line, normals, states)
         if states is None:
             return None
+        near = self._near(line)
         for _ in range(self._strategy.layer_steps):
-            step = self._step(materials, line, states, normals, *self._near(line, corners))
+            step = self._step(materials, line, states, normals, *near)
             if step is None:
                 break
             materials, line, states, gained = step
@@ -160,7 +153,7 @@ class _Descent:
         of_first = self._lines.cells(line)[0].sum()
         if not 1.0 <= of_first <= len(self._problem.mesh.cells) - 1.0:
             return None
-        return self._estimate(materials, line, states, normals, corners)
+        return self._estimate(materials, line, states, normals)
 
     def _step(self, materials, line, states, normals, nodes, bends):
         """(materials, line, states, by how much the cost fell) of a step that lowers it, or None."""
@@ -194,13 +187,13 @@ class _Descent:
                 return other, moved, trial, before - cost(changed, trial)
         return None
 
-    def _estimate(self, materials, line, states, normals, corners: bool) -> LayeredEstimate:
+    def _estimate(self, materials, line, states, normals) -> LayeredEstimate:
         """The estimate of materials and a line; its cost counts the line by its length, as that of a field does."""
         found, problem = self._found, self._problem
         objective = dataclasses.replace(found.objective, problem=problem)
         params = self._params(materials, line, normals)
         linear = problem.linearise(params, states, problem.sigma)
-        nodes, bends = self._near(line, corners)
+        nodes, bends = self._near(line)
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         floor = np.concatenate([0.0 * self._ridge, np.full(len(nodes), self._strategy.layer_held)])
         held = _held(self._ridge, bends) + scipy.sparse.diags(floor)

@@ -53,23 +53,28 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
     """
-    found = _field(measurement, settings, name, strategy)
+    found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         measurement = BelievedNoise(NoiseSource.INDEPENDENT).of(measurement)
-        found = _field(measurement, settings, name, strategy)
+        found = _identified(measurement, settings, name, strategy)
     refuted = refuted_noise(found, measurement)
     if refuted is not None:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: noise is not as believed; again with {refuted}")
         measurement = refuted.of(measurement)
-        found = _field(measurement, settings, name, strategy)
+        found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.contested and found.unexplained > 1.0:
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
-        found = _field(measurement, settings, name, replace(strategy, noise_rules=1.0))
+        found = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
     _warn(found, settings, name)
     return found
+
+
+def _identified(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
+    """:func:`_field`, or that of two materials which an interface lies between."""
+    return in_layers(_field(measurement, settings, name, strategy), settings, name)
 
 
 def _field(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
@@ -148,9 +153,7 @@ def _settled(
         from_coarse: whether it began on a coarser grid, where other minima have been looked for.
     """
     found = in_phases(without_fibres(found, settings, name), name)
-    if found.phases is None:
-        found = in_layers(found, settings, name)
-    if found.phases is not None or found.layered:
+    if found.phases is not None:
         return found
     found = without_stray_cells(found, settings, name)
     if not from_coarse:
@@ -170,7 +173,6 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
         return None
     coarse = coarsened(measurement)
     say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
-    settings = settings.model_copy(update={"layers": False})
     return _field(coarse, settings, name, replace(strategy, most_subcells=0))
 
 

@@ -9,7 +9,7 @@ from hypernode.advice.candidates import LARGER, candidates
 from hypernode.advice.further_test import PROBES, Advice, AdviceError, advise
 from hypernode.config.methods import Constrained
 from hypernode.identification.problem import FieldProblem
-from hypernode.material.basis_file import basis_field
+from hypernode.material.basis_file import field_of_cells
 from hypernode.stages.as_identified import OtherUncertainty, problem_as_identified
 from hypernode.storage.netcdf import read
 from hypernode.storage.run_files import run_files
@@ -42,7 +42,8 @@ def run(folder: Path, larger: float = LARGER, count: int = PROBES) -> Advice:
         raise AdviceError(f"{paths['constrained']}: does not say with which settings it was made: run it again")
     settings = Constrained.model_validate(json.loads(field.attrs["settings"])["constrained"])
     problem, measurement = _problem(str(paths["constrained"]), measurement, field, settings)
-    _, stored = basis_field(field)
+    # What a test leaves open of layers is what it leaves open of cells: that sides are one material is a hypothesis.
+    _, stored = field_of_cells(field)
     params = np.empty((len(problem.mesh.cells), len(stored)))
     params[problem.refinement.subcells.T] = np.moveaxis(stored, 0, -1)
     guesses = [problem.refinement.interpolation @ u for u in field["u"].values]
@@ -55,11 +56,6 @@ def _believed(name: str, files) -> None:
     """Nothing, where a run explains its test well enough for its field to be asked."""
     if "constrained" not in files:
         raise AdviceError(f"{name}: the method has no equilibrium field to ask: name a run of hypernode")
-    if json.loads(files["constrained"].attrs.get("layered", "false")):
-        raise AdviceError(
-            f"{name}: cells that the interface cuts are layers of two materials in this field, and how layers answer "
-            "to a further test is not known: ask a run of the same sheet without layers"
-        )
     if files["measurement"].attrs["forces"] == "assumed":
         raise AdviceError(
             f"{name}: no force was recorded, so that every stress is known up to one factor: the next test worth doing "
@@ -77,7 +73,7 @@ def _believed(name: str, files) -> None:
 
 def _problem(name: str, measurement, field, settings: Constrained) -> tuple[FieldProblem, object]:
     """The problem whose answer a field is, and the measurement as the identification took it in the end."""
-    basis, stored = basis_field(field)
+    basis, stored = field_of_cells(field)
     try:
         return problem_as_identified(measurement, field, settings, basis, round(stored.shape[1] ** 0.5))
     except OtherUncertainty as error:

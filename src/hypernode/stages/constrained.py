@@ -10,7 +10,7 @@ from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.strategy import identify
-from hypernode.material.basis_file import basis_content
+from hypernode.material.basis_file import basis_content, mixture_content
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
@@ -38,9 +38,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     variables |= content | seen
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
-    jump = found.jump_stress(F)
-    if jump is not None:
-        variables["P_jump"] = jump
+    if found.layered:
+        variables |= {"P_jump": found.jump_stress(F)} | mixture_content(found.basis, found.free.params)
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
