@@ -18,7 +18,7 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
 
 
 def field_of_cells(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter part cell"]]:
-    """That of :func:`basis_field`; where cells are layers, the field of mixtures that samples of them scatter like."""
+    """That of :func:`basis_field`; where cells are layers, the field of mixtures that explains the test as well."""
     basis, layers = basis_field(file)
     mixtures = [file[f"mixture.{name}"].values for name in basis.names if f"mixture.{name}" in file]
     return basis, np.stack(mixtures)[:, None] if mixtures else layers

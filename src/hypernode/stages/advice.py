@@ -42,7 +42,7 @@ def run(folder: Path, larger: float = LARGER, count: int = PROBES) -> Advice:
         raise AdviceError(f"{paths['constrained']}: does not say with which settings it was made: run it again")
     settings = Constrained.model_validate(json.loads(field.attrs["settings"])["constrained"])
     problem, measurement = _problem(str(paths["constrained"]), measurement, field, settings)
-    # What a test leaves open of layers is what it leaves open of cells: that sides are one material is a hypothesis.
+    # That both sides of an interface are one material each is a hypothesis, which a further test may refute.
     _, stored = field_of_cells(field)
     params = np.empty((len(problem.mesh.cells), len(stored)))
     params[problem.refinement.subcells.T] = np.moveaxis(stored, 0, -1)

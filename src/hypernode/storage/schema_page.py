@@ -13,7 +13,7 @@ def page() -> str:
         "material or weights of a network. Those of a basis are by (subcell, cell): the material of a cell is the",
         "mean of those of its equal subcells, row by row. `posterior.log_level` ... are fields of them",
         "(posterior_sample, subcell, cell) that the test cannot tell from the best one, and `mixture.log_level` ...",
-        "the field of mixtures (cell) that they scatter like where cells are layers. The units *length*,",
+        "a field of mixtures (cell) that explains the test as well where cells are layers. The units *length*,",
         "*stress*, *force* and *energy* are 1, Pa, Pa and Pa for synthetic tests of unit thickness, and mm, MPa,",
         "N and MPa for specimens. Global attributes name the version of this schema, the rule, its settings, the",
         "hash of its code, the versions of the packages, the flags of the compiler and the SHA-256 of the",
