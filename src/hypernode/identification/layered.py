@@ -196,7 +196,10 @@ class _Descent:
         nodes, bends = self._near(line)
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         floor = np.concatenate([0.0 * self._ridge, np.full(len(nodes), self._strategy.layer_held)])
-        held = _held(self._ridge, bends) + scipy.sparse.diags(floor)
+        # What data do not tell of a material, each of its cells holds.
+        of_first = self._lines.cells(line)[0].sum()
+        cells = np.repeat([of_first, len(params) - of_first], len(self._ridge) // 2)
+        held = _held(self._ridge * cells, bends) + scipy.sparse.diags(floor)
         jump = objective.regulariser.between(materials, objective.jump_cost)[0, 1]
         unit = self._strategy.unit_length(problem.observations.grid.areas)
         cost = objective.misfits(states, problem.sigma, linear)

@@ -5,7 +5,6 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse
 from jaxtyping import Float
 
@@ -56,11 +55,14 @@ class LayeredEstimate(Estimate):
 
         The factor of the stress, an exponential of the first parameter, has the share of a layer in it.
         """
-        return _parts(self.materials, self.params[:, self._share])
-
-    @property
-    def _share(self) -> int:
-        return self.problem.basis.names.index("share")
+        share = self.params[:, self.problem.basis.names.index("share")]
+        share = np.where(share < SMALLEST_SHARE, 0.0, np.where(share > 1.0 - SMALLEST_SHARE, 1.0, share))
+        whole = (share == 0.0) | (share == 1.0)
+        shares = np.where(whole, 0.5, np.stack([share, 1.0 - share]))
+        owner = np.where(whole, (share == 0.0).astype(int), np.arange(2)[:, None])
+        parts = np.moveaxis(self.materials[owner], -1, 0)
+        parts[0] += np.log(2.0 * shares)
+        return parts
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
         """What cells give way by the jump of the deformation across the interface: layers less both sides at one F."""
@@ -70,24 +72,17 @@ class LayeredEstimate(Estimate):
         return np.moveaxis(np.asarray(layers - np.mean(sides, axis=0)), (0, 1), (2, 3))
 
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
-        """:attr:`by_parts` of materials and lines that the test cannot tell from these.
+        """This field, as much stiffer or softer in every cell as samples of the free field are.
 
-        That both sides are one material each is a hypothesis, which the criterion has chosen: what is open is which
-        materials, and where the line is.
+        That both sides are one material each is a hypothesis; what the test leaves open without it is carried on as a
+        factor of the stress, since other parameters mean another stress beside other materials.
         """
-        root = np.linalg.cholesky(self.answers(self.linear.curvature).matrix)
-        random = np.random.default_rng(seed).standard_normal((len(root), count))
-        changes = scipy.linalg.solve_triangular(root.T, random)
-        shares = (self.columns @ changes).reshape(*self.params.shape, count)[:, self._share]
-        each = zip(changes[: self.materials.size].T, shares.T, strict=True)
-        open_to = [
-            _parts(
-                self.materials + change.reshape(self.materials.shape),
-                np.clip(self.params[:, self._share] + share, 0.0, 1.0),
-            )
-            for change, share in each
-        ]
-        return np.stack(open_to, axis=1)
+        free = np.moveaxis(self.free.samples(count, seed)[:, :, 0], 0, -1)
+        stiffness = self.free.problem.stiffness
+        best, _ = stiffness(self.free.params)
+        samples = np.repeat(self.by_parts[:, None], count, axis=1)
+        samples[0] += np.stack([stiffness(each)[0] - best for each in free])[:, None]
+        return samples
 
     @property
     def layered(self) -> bool:
@@ -98,16 +93,3 @@ class LayeredEstimate(Estimate):
     def material_count(self) -> int:
         """Two."""
         return len(self.materials)
-
-
-def _parts(
-    materials: Float[np.ndarray, "2 parameter"], share: Float[np.ndarray, " cell"]
-) -> Float[np.ndarray, "parameter part cell"]:
-    """Parameters of the layers of cells with these shares of the first of two materials."""
-    share = np.where(share < SMALLEST_SHARE, 0.0, np.where(share > 1.0 - SMALLEST_SHARE, 1.0, share))
-    whole = (share == 0.0) | (share == 1.0)
-    shares = np.where(whole, 0.5, np.stack([share, 1.0 - share]))
-    owner = np.where(whole, (share == 0.0).astype(int), np.arange(2)[:, None])
-    parts = np.moveaxis(materials[owner], -1, 0)
-    parts[0] += np.log(2.0 * shares)
-    return parts
