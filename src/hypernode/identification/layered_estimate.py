@@ -78,10 +78,9 @@ class LayeredEstimate(Estimate):
         factor of the stress, since other parameters mean another stress beside other materials.
         """
         free = np.moveaxis(self.free.samples(count, seed)[:, :, 0], 0, -1)
-        stiffness = self.free.problem.stiffness
-        best, _ = stiffness(self.free.params)
+        _, slope = self.free.problem.stiffness(self.free.params)
         samples = np.repeat(self.by_parts[:, None], count, axis=1)
-        samples[0] += np.stack([stiffness(each)[0] - best for each in free])[:, None]
+        samples[0] += ((free - self.free.params) * slope).sum(axis=-1)[:, None]
         return samples
 
     @property
