@@ -36,14 +36,13 @@ def in_layers(found: Estimate, settings: Constrained, name: str) -> Estimate:
     labels = split(level, np.zeros(len(level), dtype=int))
     if not labels.any():
         return found
-    best, one = _Descent(found, labels, name).end(), of_one_material(found)
+    best = _Descent(found, labels, name).end()
     if best is None or best.underfitted:
         return found
     # A line pays for the places that it might be at as well: noise makes the best of many look real.
     criterion = best.information_criterion + np.log(len(labels))
-    if any(each and each.information_criterion <= criterion for each in (found, one)):
-        return found
-    return best.after(found)
+    plainer = [each for each in (found, of_one_material(found)) if each is not None]
+    return found if min(each.information_criterion for each in plainer) <= criterion else best.after(found)
 
 
 class _Descent:
@@ -61,7 +60,8 @@ class _Descent:
         mixed = np.clip((each - soft) / (stiff - soft), 0.0, 1.0)
         self._line = self._lines.through(np.where(at_contours(found.problem.mesh, labels), mixed, labels))
         ridge = found.objective.ridge.reshape(found.params.shape)[0]
-        self._ridge = np.tile(ridge, 2)
+        # What data do not tell of a material, each of its cells holds; the stiffer one is the first.
+        self._ridge = np.concatenate([count * ridge for count in np.bincount(labels)[::-1]])
         self._centre = np.tile(found.objective.centre.reshape(found.params.shape)[0], 2)
 
     def end(self) -> LayeredEstimate | None:
@@ -196,10 +196,7 @@ class _Descent:
         nodes, bends = self._near(line)
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         floor = np.concatenate([0.0 * self._ridge, np.full(len(nodes), self._strategy.layer_held)])
-        # What data do not tell of a material, each of its cells holds.
-        of_first = self._lines.cells(line)[0].sum()
-        cells = np.repeat([of_first, len(params) - of_first], len(self._ridge) // 2)
-        held = _held(self._ridge * cells, bends) + scipy.sparse.diags(floor)
+        held = _held(self._ridge, bends) + scipy.sparse.diags(floor)
         jump = objective.regulariser.between(materials, objective.jump_cost)[0, 1]
         unit = self._strategy.unit_length(problem.observations.grid.areas)
         cost = objective.misfits(states, problem.sigma, linear)

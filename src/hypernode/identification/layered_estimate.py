@@ -75,7 +75,8 @@ class LayeredEstimate(Estimate):
         """This field, as much stiffer or softer in every cell as samples of the free field are.
 
         That both sides are one material each is a hypothesis; what the test leaves open without it is carried on as a
-        factor of the stress, since other parameters mean another stress beside other materials.
+        factor of the stress, since other parameters mean another stress beside other materials. Samples are deviations
+        to first order, and so is the factor.
         """
         free = np.moveaxis(self.free.samples(count, seed)[:, :, 0], 0, -1)
         _, slope = self.free.problem.stiffness(self.free.params)
