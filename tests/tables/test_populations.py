@@ -13,6 +13,7 @@ def collection():
     data = {key: ("sheet", np.array(values)) for key, values in (labels | {"level": LEVELS}).items()}
     data["score.stress_error"] = ("sheet", np.array([0.01, 0.02, 0.09, 0.5]))
     data["score.dice"] = ("sheet", np.array([0.9, 0.8, 0.1, np.nan]))
+    data["score.phases_found"] = ("sheet", np.array([1.0, 2.0, 2.0, 1.0]))
     return xr.Dataset(data)
 
 
@@ -27,6 +28,11 @@ def test_the_worst_error_is_the_largest_and_the_worst_overlap_the_smallest():
     assert cell(table, "stress error", "disc", "worst") == 0.09
     assert cell(table, "Dice", "disc", "worst") == 0.1
     assert np.isnan(cell(table, "Dice", "X", "median")), "no sheet of the group has the number"
+
+
+def test_the_middle_of_counts_may_lie_between_two():
+    table = population_table(collection())
+    assert cell(table, "phases found", "all", "median") == 1.5
 
 
 def test_verdicts_are_counted_by_group_and_over_all_sheets():

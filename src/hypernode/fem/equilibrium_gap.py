@@ -8,14 +8,11 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 from jax.experimental.sparse import BCOO
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
-from hypernode.fem.mesh import Mesh
+from hypernode.fem.block_cholesky import BlockCholesky
+from hypernode.fem.mesh import EDGES, Mesh
 from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix, virtual_fields
-
-#: Blocks of columns of a dense inverse, each summed by itself: a sum of thousands in float32, whose terms nearly
-#: cancel, is three times as wrong.
-BLOCKS = 8
 
 
 def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
@@ -49,20 +46,21 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
     return np.sqrt(np.maximum(total, 0.0) / mesh.areas.sum()) / scale
 
 
-def _compliant_field(compliance: tuple, R: Float[Array, "test step"]) -> Float[Array, "test step"]:
-    """K^-1 R from the blocks of columns of K^-1."""
-    ends = np.cumsum([block.shape[1] for block in compliance])[:-1]
-    return sum(block @ part for block, part in zip(compliance, jnp.split(R, ends), strict=True))
+def _lines(mesh: Mesh, T, edge: str | None) -> Int[np.ndarray, " test"]:
+    """The line of nodes on which a test function is 1: along the tied edge, which is a line of its own, or the shorter side."""
+    axis = EDGES[edge][0] if edge is not None else int(np.argmax([len(lines) for lines in mesh.lines]))
+    first = T.tocsc().indices[T.tocsc().indptr[:-1]]
+    return np.searchsorted(mesh.lines[axis], mesh.nodes[first, axis])
 
 
 @jax.custom_vjp
-def _energies(R: Float[Array, "test step"], compliance: tuple) -> Float[Array, " step"]:
-    """R K^-1 R of each column, differentiated by R alone; the dense product is what costs, and one serves both."""
-    return jnp.sum(R * _compliant_field(compliance, R), axis=0)
+def _energies(R: Float[Array, "test step"], energy: BlockCholesky) -> Float[Array, " step"]:
+    """R K^-1 R of each column, differentiated by R alone; the solve is what costs, and one serves both."""
+    return _energies_and_field(R, energy)[0]
 
 
-def _energies_and_field(R, compliance):
-    field = _compliant_field(compliance, R)
+def _energies_and_field(R, energy):
+    field = energy.solve(R)
     return jnp.sum(R * field, axis=0), field
 
 
@@ -82,13 +80,13 @@ class EquilibriumGap:
     Attributes:
         work: sparse maps[i][J] from cell stress to the virtual work (test function, cell).
         loads: virtual work of a unit resultant per component (test function,), zero where none is measured.
-        compliance: K^-1 per component, as :data:`BLOCKS` blocks of columns.
+        energies: factors of K per component.
         area: area of the sheet.
     """
 
     work: tuple
     loads: tuple
-    compliance: tuple
+    energies: tuple
     area: float
 
     @classmethod
@@ -109,17 +107,16 @@ class EquilibriumGap:
                 correct, and the gap is what the cheapest correction costs.
         """
         D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh, variance)
-        work, loads, compliance = [], [], []
+        work, loads, energies = [], [], []
         for component in range(2):
             T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
             work.append(tuple(BCOO.from_scipy_sparse((T.T @ D[J]).astype(np.float32)) for J in range(2)))
-            inverse = np.linalg.inv(energy.toarray()).astype(np.float32)
-            compliance.append(tuple(jnp.asarray(block) for block in np.array_split(inverse, BLOCKS, axis=1)))
+            energies.append(BlockCholesky.of(energy, _lines(mesh, T, edge)))
             unit = np.zeros(T.shape[1])
             if edge is not None:
                 unit[-1] = 1.0
             loads.append(jnp.asarray(unit, jnp.float32))
-        return cls(tuple(work), tuple(loads), tuple(compliance), float(mesh.areas.sum()))
+        return cls(tuple(work), tuple(loads), tuple(energies), float(mesh.areas.sum()))
 
     def squared(
         self, P: Float[Array, "2 2 step cell"], resultant: Float[Array, "step 2"], scale: Float[Array, " step"]
@@ -135,5 +132,5 @@ class EquilibriumGap:
         total = jnp.zeros_like(scale)
         for i in range(2):
             R = sum(self.work[i][J] @ P[i, J].T for J in range(2)) - self.loads[i][:, None] * resultant[:, i]
-            total = total + _energies(R / (scale * self.area**0.5), self.compliance[i])
+            total = total + _energies(R / (scale * self.area**0.5), self.energies[i])
         return total

@@ -27,7 +27,6 @@ class Need:
         memory: of the smallest sheet, interpreter and compiler [MB].
         a_cell: more for every thousand cells [MB].
         a_state: more for every thousand cells and every load step [MB].
-        a_pair: more for every million pairs of cells [MB].
         minutes: of the smallest sheet, compilation with an empty cache.
         minutes_a_state: more for every thousand cells and every load step.
     """
@@ -35,14 +34,13 @@ class Need:
     memory: float
     a_cell: float = 0.0
     a_state: float = 0.0
-    a_pair: float = 0.0
     minutes: float = 5.0
     minutes_a_state: float = 0.1
 
     def megabytes(self, size: Size, attempt: int = 1) -> int:
         """Memory of a job [MB]; of every further attempt as much again."""
         cells = size.cells / 1000
-        grown = cells * (self.a_cell + size.steps * self.a_state + cells * self.a_pair)
+        grown = cells * (self.a_cell + size.steps * self.a_state)
         return round(attempt * (SNAKEMAKE + self.memory + grown))
 
     def runtime(self, size: Size, attempt: int = 1) -> int:
@@ -76,7 +74,7 @@ NEEDS = {
     # The derivative of every cell's forces and stress by a hundred parameters, and factors as of an equilibrium field.
     "polish": Need(1200, a_cell=250, a_state=120, minutes_a_state=1.5),
     # The inverse of the virtual work of all pairs of nodes, in double precision while it is made.
-    "training": Need(800, a_state=15, a_pair=40, minutes=30),
+    "training": Need(800, a_state=5, minutes=30),
     "baseline": Need(600, a_state=20),
     "evaluation": Need(700, a_state=20),
     "validation": Need(800, a_cell=22, minutes_a_state=0.3),

@@ -1,6 +1,6 @@
 """What a column of a table is: the number it takes from a result file, its unit, and how that number is printed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 #: How a column's numbers were judged -> the words for it under the table.
@@ -33,6 +33,11 @@ class Column:
     unit: str = "-"
     better: Literal["low", "high", ""] = ""
     judged_at: Literal["prescribed", "measured", "identified", ""] = ""
+
+    @property
+    def of_statistics(self) -> "Column":
+        """The column of medians or means of its numbers: one of counts is no count."""
+        return replace(self, style="number") if self.style == "count" else self
 
     def header(self, name: str, stored: bool = False) -> str:
         """The column's head: its name with the unit as shown, or with the one of the file."""

@@ -22,7 +22,9 @@ def population_table(collection: xr.Dataset) -> Table:
         collection: an opened collection; of its fields none is read.
     """
     columns = {
-        name: column for name, column in COLUMNS["runs"].items() if f"score.{column.key}" in collection.variables
+        name: column.of_statistics
+        for name, column in COLUMNS["runs"].items()
+        if f"score.{column.key}" in collection.variables
     } | {VERDICTS: Column("", "text")}
     scores = {name: collection[f"score.{column.key}"].values for name, column in columns.items() if name != VERDICTS}
     labels = np.stack([collection[key].values.astype(str) for key in GROUP], axis=1)

@@ -109,12 +109,8 @@ def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str,
         chosen: names in :data:`COLUMNS` of that kind; its default ones where empty.
         groups: label -> pattern of ``case/method``.
     """
-    # A statistic of counts is no count.
-    columns = {
-        name: replace(column, style="number") if column.style == "count" else column
-        for name, column in _columns(kind, runs).items()
-        if column.style != "text"
-    } | GROUP
+    numbers = {name: column for name, column in _columns(kind, runs).items() if column.style != "text"}
+    columns = {name: column.of_statistics for name, column in numbers.items()} | GROUP
     rows = []
     for label, pattern in groups.items():
         members = [run for run in runs if run.matches(pattern)]
