@@ -73,13 +73,9 @@ def compute(platform: str, cells: int, iterations: int, folder: Path) -> dict:
     measurement.run(config, "sheet", files["forward"], files["measurement"], attributes)
     gradient.run(method.gradient, "sheet", files["measurement"], files["gradient"], attributes)
     jax.config.update("jax_enable_x64", False)
-    learnt = {"measurement": files["measurement"], "field": files["gradient"], "homogenised": files["homogenised"]}
-    timed(
-        "homogenised",
-        lambda: homogenised.run(
-            method, "sheet", learnt["measurement"], learnt["field"], files["homogenised"], attributes
-        ),
-    )
+    learnt = {"measurement": files["measurement"], "field": files["gradient"]}
+    timed("homogenised", lambda: homogenised.run(method, "sheet", learnt, files["homogenised"], attributes))
+    learnt["homogenised"] = files["homogenised"]
     timed("pretraining", lambda: pretraining.run(method, "sheet", learnt, files["material"], attributes))
     truth = read(files["measurement"])
     X = truth["X"].values[truth["cells"].values].mean(axis=1)

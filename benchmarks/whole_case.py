@@ -52,7 +52,7 @@ def stages(config, case: str, method_name: str, measurement: str, folder: Path):
     yield (
         "homogenised",
         False,
-        lambda: homogenised.run(method, case, measurement, files["field"], made["homogenised"], attributes),
+        lambda given=dict(files): homogenised.run(method, case, given, made["homogenised"], attributes),
     )
     files["homogenised"] = made["homogenised"]
     previous = None

@@ -37,6 +37,7 @@ BY_CELL = {
 }
 NODES = {
     "two families": lambda: node_file(("I1", "I1_I4v", "I4v_I4w")),
+    "powers of the stretches": lambda: node_file(("I1", "I2", "ogden_6", "ogden_4", "ogden_minus_4", "I1_I4v")),
     "isotropic, compressible, shares fixed": lambda: node_file(("I1", "J"), scaled=False),
     "input-convex network, compressible": lambda: node_file(("I1", "J", "I4v"), "icnn"),
     "constitutive network": lambda: node_file(("I1", "I2", "I1_I4v"), "cann"),

@@ -34,7 +34,9 @@ def test_the_basis_contains_mooney_rivlin_and_stiffening_fibres():
     np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=2e-3)
 
 
-@pytest.mark.parametrize(("name", "exponent"), [("log1p_ogden_6", 6.0), ("log1p_ogden_minus_4", -4.0)])
+@pytest.mark.parametrize(
+    ("name", "exponent"), [("log1p_ogden_6", 6.0), ("log1p_ogden_4", 4.0), ("log1p_ogden_minus_4", -4.0)]
+)
 def test_the_basis_contains_powers_of_the_principal_stretches_as_stiff_as_the_others_for_small_strains(name, exponent):
     """c (4 / a^2) sum l^a beside c (I1 - 3): both have the shear modulus 2 c."""
     basis, F = ConvexBasis(("ogden",), SCALE), np.array([[1.15, 0.08], [-0.03, 1.05]])

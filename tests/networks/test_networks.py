@@ -11,8 +11,10 @@ from flax import nnx
 from hypernode.config.methods import Frequencies
 from hypernode.material.laws import node_stress
 from hypernode.material.node_material import NodeMaterial
+from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.networks.neural_ode import LARGEST_SLOPE, flow, unflatten, weight_count
 from hypernode.networks.potentials import POTENTIALS
+from hypernode.networks.terms import POWERS
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
 
 
@@ -40,13 +42,15 @@ def test_one_step_of_the_largest_slope_is_increasing_whatever_the_slopes_at_its_
     assert smallest(LARGEST_SLOPE) > 0.0 > smallest(1.6)
 
 
-def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines():
+@pytest.mark.parametrize("terms", [("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w"), ("I1", "I2", *POWERS, "I4v")])
+def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines(terms):
     rng = np.random.default_rng(4)
-    material = NodeMaterial(("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w"), (4, 4), 1, 0.4, 1.0)
+    material = NodeMaterial(terms, (4, 4), 1, 0.4, 1.0)
     stress = jax.jit(lambda F, params: node_stress(material, F[..., None], params[:, None])[..., 0])
     params = rng.normal(0.0, 2.0, (200, material.size))
     # The logarithms of the constant parts: stiffness of a common size.
-    params[:, -3:-1] = rng.normal(-1.0, 0.5, (200, 2))
+    count = len(material.constants)
+    params[:, -1 - count : -1] = rng.normal(-1.0, 0.5, (200, count))
     work = []
     for p in params:
         F = np.eye(2) + rng.normal(0.0, 0.1, (2, 2))
@@ -63,6 +67,21 @@ def test_every_potential_has_an_increasing_slope_that_vanishes_at_zero(name):
     out = np.asarray(potential.slope(h, weights, (4, 4), 16))
     assert np.diff(out, axis=0).min() > 0.0
     assert np.isfinite(out).all() and np.abs(out[0]).max() == 0.0
+
+
+def test_networks_with_powers_of_the_stretches_contain_the_laws_of_ogden_that_the_basis_has():
+    basis = ConvexBasis(("I2", "ogden"), 0.4)
+    found = dict(zip(basis.names, (0.3, 0.2, 0.4, 0.25, 0.15), strict=True))
+    material = NodeMaterial(("I1", "I2", *POWERS), (4, 4), 2, 0.4, 1.0, scaled=True)
+    letters = basis.coefficients(jnp.array(list(found.values())))
+    constants = jnp.log(letters["c"] * jnp.array([1.0, letters["c2"], letters["c5"], letters["c6"], letters["c7"]]))
+    # Without any share of a neural ODE, what is left are the constant parts.
+    params = material.join(jnp.zeros((24, 5)), jnp.zeros(0), jnp.concatenate([constants, jnp.full(5, -40.0)]), None)
+    F = jnp.eye(2)[..., None] + 0.2 * jax.random.normal(jax.random.key(0), (2, 2, 50))
+    wanted = basis.stress(F, jnp.array(list(found.values()))[:, None])
+    np.testing.assert_allclose(node_stress(material, F, params[:, None]), wanted, rtol=2e-5, atol=2e-5)
+    without = NodeMaterial(("I1", "I2"), (4, 4), 2, 0.4, 1.0)
+    assert not material.has_fibres and without.size < material.size
 
 
 @pytest.mark.parametrize("name", POTENTIALS)

@@ -3,7 +3,11 @@ LEARNING = ("measurement", "field", "homogenised", "constrained")
 
 rule homogenised:
     input:
-        unpack(lambda w: field_inputs(CONFIG, w.case, w.method, "measurement", "field")),
+        unpack(
+            lambda w: field_inputs(
+                CONFIG, w.case, w.method, "measurement", "field", "constrained"
+            )
+        ),
     output:
         ensure("results/{case}/{method}/homogenised.nc", non_empty=True),
         record="results/{case}/{method}/homogenised.nc.json",

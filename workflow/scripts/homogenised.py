@@ -9,8 +9,7 @@ with job(snakemake) as attributes:
     homogenised.run(
         partial_method(snakemake.params.settings),
         snakemake.wildcards.case,
-        snakemake.input.measurement,
-        snakemake.input.field,
+        dict(snakemake.input),
         snakemake.output[0],
         attributes,
     )

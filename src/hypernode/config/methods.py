@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import BASIS_TERMS
-from hypernode.networks.terms import POTENTIAL_NAMES, TERMS
+from hypernode.networks.terms import POTENTIAL_NAMES, POWERS, TERMS
 
 
 class Frequencies(Section):
@@ -61,12 +61,19 @@ class Interpolant(Frequencies, Optimiser):
     """The network (X, t) -> F."""
 
 
+def _needing_thickness(terms: list[str]) -> bool:
+    return any("I2" in term or term in POWERS for term in terms)
+
+
 class Node(Section):
     """The neural ODEs of a material point."""
 
     terms: list[Literal[tuple(TERMS)]] = Field(min_length=1)
     """Arguments of the energy: invariants, mixtures of two such as I1_I4v, and J for a sheet whose volume may change
     (without I2, and in ``constrained`` alike)."""
+    further_terms: list[Literal[POWERS]] = []
+    """Terms that join these where the equilibrium field has ``ogden``: sums of powers of the principal stretches, which
+    functions of I1 and of I2 cannot stand for."""
     hidden: list[Count] = Field(min_length=1)
     """Neurons of each hidden layer of a neural ODE."""
     rk4_steps: Count = 2
@@ -82,14 +89,16 @@ class Node(Section):
 
     @model_validator(mode="after")
     def _once(self):
-        if len(set(self.terms)) != len(self.terms):
+        if len({*self.terms, *self.further_terms}) != len(self.terms) + len(self.further_terms):
             raise ValueError("a term is listed twice")
         if "I1" not in self.terms and "I2" not in self.terms:
             raise ValueError(
                 "terms need I1 or I2: a material without an isotropic part has no stiffness across its fibres"
             )
-        if "J" in self.terms and ("I1" not in self.terms or any("I2" in term for term in self.terms)):
-            raise ValueError("terms with J need I1 and no I2: I2 needs the thickness, which J leaves open")
+        if "J" in self.terms and ("I1" not in self.terms or _needing_thickness(self.terms)):
+            raise ValueError(
+                "terms with J need I1, no I2 and no powers of stretches: these need the thickness, which J leaves open"
+            )
         return self
 
 

@@ -47,7 +47,7 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
 
 
 def _lines(mesh: Mesh, T, edge: str | None) -> Int[np.ndarray, " test"]:
-    """The line of nodes on which a test function is 1: along the tied edge, which is a line of its own, or the shorter side."""
+    """The line of nodes on which a test function is 1: along the tied edge, itself one, or along the shorter side."""
     axis = EDGES[edge][0] if edge is not None else int(np.argmax([len(lines) for lines in mesh.lines]))
     first = T.tocsc().indices[T.tocsc().indptr[:-1]]
     return np.searchsorted(mesh.lines[axis], mesh.nodes[first, axis])

@@ -7,13 +7,15 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.kinematics import in_plane_trace
+from hypernode.mechanics.kinematics import in_plane_trace, stretch_powers
 from hypernode.networks.potentials import POTENTIALS, Potential
-from hypernode.networks.terms import INVARIANTS, TERMS
+from hypernode.networks.terms import INVARIANTS, POWERS, TERMS
 
 #: Where the logit of a mixture begins: fibres with little dispersion, two families that are not coupled. What one test
 #: tells of a mixture is little, and it stays near its start.
 MIXTURE_START = {"I1": -2.0, "I4v": 4.0}
+#: What the constant part of dPsi/dI begins with.
+CONSTANT_START = {"I1": 0.4, "I2": 0.05} | dict.fromkeys(POWERS, 0.02)
 #: Cost of one unit of stress of a further contribution, beside the squares of weights, in the plainness prior.
 AMOUNT_COST = 0.3
 
@@ -23,9 +25,9 @@ class NodeMaterial:
     """Which terms a material has and how its parameters are laid out in one vector.
 
     The parameters at a point are, in order: the neural-ODE weights of each term, one mixture logit
-    for each two-invariant term, the logarithms of the constant parts of dPsi/dI1 and dPsi/dI2
-    (where those terms exist) and of the terms' shares (where those are scaled), and the fibre angle (where
-    a fibre term exists).
+    for each two-invariant term, the logarithms of the constant parts of dPsi/dI1, dPsi/dI2 and of the derivatives by
+    sums of powers (where those terms exist) and of the terms' shares (where those are scaled), and the fibre angle
+    (where a fibre term exists).
 
     Without the term J the sheet is incompressible. With it the energy, whatever the thickness does, is a sum of
     functions of tr C - 2 and of J - 1 in the plane, and a constant part c of dPsi/dI1 brings -2 c J, so that the
@@ -81,7 +83,7 @@ class NodeMaterial:
     @property
     def constants(self) -> tuple[str, ...]:
         """The invariants whose derivative has a constant part."""
-        return tuple(name for name in ("I1", "I2") if name in self.terms)
+        return tuple(name for name in CONSTANT_START if name in self.terms)
 
     @property
     def compressible(self) -> bool:
@@ -91,7 +93,7 @@ class NodeMaterial:
     @property
     def has_fibres(self) -> bool:
         """Whether any term sees a fibre direction."""
-        return any("4" in term for term in self.terms)
+        return any("I4" in term for term in self.terms)
 
     @property
     def size(self) -> int:
@@ -137,6 +139,8 @@ class NodeMaterial:
         shifted = {name: getattr(I, name) - value for name, value in INVARIANTS.items()}
         if self.compressible:
             shifted["I1"] = in_plane_trace(I) - 2.0
+        powers = {name: power for name, power in stretch_powers(I).items() if name in self.terms}
+        shifted |= {name: value for name, (value, _, _) in powers.items()}
         inputs, shares = [], []
         for term in self.terms:
             names = TERMS[term]
@@ -145,12 +149,12 @@ class NodeMaterial:
                 a = alpha[self.mixtures.index(term)]
                 share = (a, 1.0 - a)
             value = sum(s * shifted[name] for s, name in zip(share, names, strict=True))
-            inputs.append(jnp.maximum(value, 0.0) if "4" in term else value)
+            inputs.append(jnp.maximum(value, 0.0) if "I4" in term else value)
             shares.append(dict(zip(names, share, strict=True)))
         # Stacked as [..., term, point] so that all terms run as one array.
         h = jnp.stack(inputs, axis=-2) / self.invariant_scale
         values = self._function.slope(h, weights, self.hidden, self.steps)
-        total = {name: jnp.zeros_like(shifted["I1"]) for name in INVARIANTS}
+        total = {name: jnp.zeros_like(shifted["I1"]) for name in shifted}
         own = constants[len(self.constants) :]
         term_share = jnp.exp(own) if self.scaled else jnp.full(len(self.terms), self.share, own.dtype)
         for index, share in enumerate(shares):
@@ -161,6 +165,9 @@ class NodeMaterial:
         if self.compressible:
             # tr C = I1 - 1/J^2, and what keeps the undeformed sheet free of stress.
             total["J"] = total["J"] + 2.0 * total["I1"] / I.J**3 - 2.0 * jnp.exp(constants[0])
+        for name, (_, by_I1, by_I2) in powers.items():
+            slope = total.pop(name)
+            total["I1"], total["I2"] = total["I1"] + slope * by_I1, total["I2"] + slope * by_I2
         return type(I)(**{name: self.stress_scale * value for name, value in total.items()})
 
     def initial_params(self, key: Array) -> Float[Array, " size"]:
@@ -169,9 +176,8 @@ class NodeMaterial:
         keys = jax.random.split(key, len(self.terms))
         spread = 0.5 / max(self.hidden) ** 0.5
         weights = jnp.stack([spread * jax.random.normal(each, (k,)) for each in keys], axis=1)
-        start = {"I1": 0.4, "I2": 0.05}
         shares = [self.share] * len(self.terms) if self.scaled else []
-        constants = jnp.log(jnp.array([start[name] for name in self.constants] + shares))
+        constants = jnp.log(jnp.array([CONSTANT_START[name] for name in self.constants] + shares))
         mixture = jnp.array([MIXTURE_START.get(TERMS[term][0], 0.0) for term in self.mixtures])
         return self.join(weights, mixture, constants, jnp.zeros(()))
 

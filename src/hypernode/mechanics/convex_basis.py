@@ -17,10 +17,10 @@ E^2 -> s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h,
 
 so that at E^2 = s^2 / 2 they are as stiff as without: strength and stiffening hardly trade places.
 
-With the term ogden two of Ogden's powers of the principal stretches l join, 6 and -4, whose functions of I1 and I2 are
-polynomials, scaled as I1 - 3 for small strains,
+With the term ogden three of Ogden's powers of the principal stretches l join, 6, 4 and -4, whose functions of I1 and I2
+are polynomials, scaled as I1 - 3 for small strains,
 
-Psi_O = c [ c5 (l1^6 + l2^6 + l3^6 - 3) / 9 + c6 (l1^-4 + l2^-4 + l3^-4 - 3) / 4 ].
+Psi_O = c [ c5 (l1^6 + l2^6 + l3^6 - 3) / 9 + c6 (l1^4 + l2^4 + l3^4 - 3) / 4 + c7 (l1^-4 + l2^-4 + l3^-4 - 3) / 4 ].
 
 With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
 alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
@@ -38,7 +38,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green
+from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
 from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.mechanics.stress import stress_with_structure
 
@@ -54,7 +54,7 @@ SMALLEST = 0.005
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},
     "I2": {"log1p_I2": 0.08},
-    "ogden": {"log1p_ogden_6": 0.02, "log1p_ogden_minus_4": 0.02},
+    "ogden": {"log1p_ogden_6": 0.02, "log1p_ogden_4": 0.02, "log1p_ogden_minus_4": 0.02},
     "fibre": {"fibre_x": 0.1, "fibre_y": 0.0, "logit_dispersion": -2.0},
     "across": {"log1p_across": 0.02},
     "stiffening": {"log1p_stiffening": 0.08},
@@ -71,7 +71,8 @@ LETTERS = {
     "c3": "log1p_J_area",
     "c4": "log1p_J_volume",
     "c5": "log1p_ogden_6",
-    "c6": "log1p_ogden_minus_4",
+    "c6": "log1p_ogden_4",
+    "c7": "log1p_ogden_minus_4",
 }
 #: Parameters that together are the doubled-angle vector of the fibres.
 FIBRE_VECTOR = ("fibre_x", "fibre_y")
@@ -138,8 +139,8 @@ class ConvexBasis:
         if "I2" in self.terms:
             total = total + _coefficient(p["log1p_I2"]) * e2
         if "ogden" in self.terms:
-            total = total + _coefficient(p["log1p_ogden_6"]) * (I.I1**3 - 3.0 * I.I1 * I.I2) / 9.0
-            total = total + _coefficient(p["log1p_ogden_minus_4"]) * (I.I2**2 - 2.0 * I.I1 - 3.0) / 4.0
+            for name, (value, _, _) in stretch_powers(I).items():
+                total = total + _coefficient(p[f"log1p_{name}"]) * value
         if "fibre" in self.terms:
             strength, _, families = self._fibre(F, e1, p)
             squares = sum(share * self._square(E, p, "stiffening")[0] for share, _, E in families)
@@ -158,9 +159,9 @@ class ConvexBasis:
         if "I2" in self.terms:
             dI2 = dI2 + _coefficient(p["log1p_I2"])
         if "ogden" in self.terms:
-            sixth, inverse = _coefficient(p["log1p_ogden_6"]), _coefficient(p["log1p_ogden_minus_4"])
-            dI1 = dI1 + sixth * (I.I1**2 - I.I2) / 3.0 - 0.5 * inverse
-            dI2 = dI2 - sixth * I.I1 / 3.0 + 0.5 * inverse * I.I2
+            for name, (_, by_I1, by_I2) in stretch_powers(I).items():
+                coefficient = _coefficient(p[f"log1p_{name}"])
+                dI1, dI2 = dI1 + coefficient * by_I1, dI2 + coefficient * by_I2
         if "fibre" in self.terms:
             strength, b, families = self._fibre(F, e1, p)
             for share, M, E in families:

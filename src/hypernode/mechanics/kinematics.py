@@ -58,6 +58,20 @@ def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> 
     )
 
 
+def stretch_powers(I: Invariants) -> dict[str, tuple]:
+    """Sums of powers of the principal stretches of an incompressible sheet, each with its derivatives by I1 and I2.
+
+    (l1^6 + l2^6 + l3^6 - 3) / 9, (l1^4 + l2^4 + l3^4 - 3) / 4 and (l1^-4 + l2^-4 + l3^-4 - 3) / 4: polynomials of I1
+    and I2, polyconvex, and like I1 - 3 for small strains. With the powers 2 and -2, which are I1 and I2, most of
+    Ogden's lie between them.
+    """
+    return {
+        "ogden_6": ((I.I1**3 - 3.0 * I.I1 * I.I2) / 9.0, (I.I1**2 - I.I2) / 3.0, -I.I1 / 3.0),
+        "ogden_4": ((I.I1**2 - 2.0 * I.I2 - 3.0) / 4.0, 0.5 * I.I1, -0.5),
+        "ogden_minus_4": ((I.I2**2 - 2.0 * I.I1 - 3.0) / 4.0, -0.5, 0.5 * I.I2),
+    }
+
+
 def in_plane_trace(I: Invariants) -> Float[Array, "..."]:
     """tr C of the in-plane C: what I1 is without the thickness of an incompressible sheet."""
     return I.I1 - 1.0 / I.J**2

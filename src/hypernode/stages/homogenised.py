@@ -2,20 +2,28 @@
 
 import dataclasses
 import json
+from collections.abc import Mapping
 
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
 from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.material.basis_file import basis_field
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
 from hypernode.training.homogenised import fit_homogenised
 
 
-def run(method: Method, name: str, measurement_file: str, field_file: str, output: str, attributes: dict) -> None:
-    """Fit the homogenised material of one case and write it."""
-    measurement, field = (without_truth(read(path)) for path in (measurement_file, field_file))
-    loading = Loading.of(measurement)
-    found = fit_homogenised(method, name, mesh_of(measurement), loading, field_gradient(field))
+def run(method: Method, name: str, files: Mapping[str, str], output: str, attributes: dict) -> None:
+    """Fit the homogenised material of one case and write it.
+
+    Args:
+        files: paths of ``measurement``, ``field`` (interpolant or gradient), and ``constrained`` where there is one.
+    """
+    opened = {key: without_truth(read(path)) for key, path in files.items()}
+    measurement, loading = opened["measurement"], Loading.of(opened["measurement"])
+    terms = basis_field(opened["constrained"])[0].terms if "constrained" in opened else ()
+    F = field_gradient(opened["field"])
+    found = fit_homogenised(method, name, mesh_of(measurement), loading, F, terms)
     write(
         output,
         {
@@ -27,5 +35,5 @@ def run(method: Method, name: str, measurement_file: str, field_file: str, outpu
         },
         f"homogenised material of {name}",
         {**attributes, "units": units_of(measurement), "node": json.dumps(dataclasses.asdict(found.node))},
-        parents=[measurement_file, field_file],
+        parents=list(files.values()),
     )

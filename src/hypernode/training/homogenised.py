@@ -1,5 +1,6 @@
 """One set of neural-ODE parameters for the whole sheet."""
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import jax
@@ -36,17 +37,23 @@ class Homogenised(NamedTuple):
 
 
 def fit_homogenised(
-    method: Method, name: str, mesh: Mesh, loading: Loading, F: Float[np.ndarray, "2 2 step cell"]
+    method: Method,
+    name: str,
+    mesh: Mesh,
+    loading: Loading,
+    F: Float[np.ndarray, "2 2 step cell"],
+    field_terms: Collection[str] = (),
 ) -> Homogenised:
     """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
 
     Components whose resultant is not measured and that are not free carry no data. The stress unit
-    and the invariant unit of the networks are set here, from the largest load step.
+    and the invariant unit of the networks are set here, from the largest load step. So are their terms: powers of
+    stretches join where ``field_terms``, those of the equilibrium field that they will learn, have them.
     """
     mean_F = jnp.asarray(mean_gradient(mesh, F), jnp.float32)
     largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
     node = NodeMaterial(
-        tuple(method.node.terms),
+        (*method.node.terms, *(method.node.further_terms if "ogden" in field_terms else ())),
         tuple(method.node.hidden),
         method.node.rk4_steps,
         invariant_scale=largest,

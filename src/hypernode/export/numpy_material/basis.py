@@ -3,8 +3,9 @@
 Psi = c [ (I1 - 3) + c1 <I1 - 3>^2 / (2 s) + c2 (I2 - 3) + k (<E_M>^2 + q <E_N>^2) / (2 s) ],
 E_M = b (I1 - 3) + (1 - b)(M : C - 1),  M = [1 + rx, ry; ry, 1 - rx] / 2,  N = 1 - M;
 
-with h (or h1, of <I1 - 3>) the squares are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h; with c5 and c6 powers 6 and -4
-of the principal stretches join, c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I2^2 - 2 I1 - 3) / 4]; with c3 and c4 the sheet is
+with h (or h1, of <I1 - 3>) the squares are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h; with c5 to c7 powers
+6, 4 and -4 of the principal stretches join, c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I1^2 - 2 I2 - 3) / 4
++ c7 (I2^2 - 2 I1 - 3) / 4]; with c3 and c4 the sheet is
 compressible: I1 - 3 is tr C - 2 in the plane, the first term tr C - 2 J, and the area adds
 c [2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3)].
 """
@@ -13,7 +14,7 @@ import numpy as np
 
 from hypernode.export.numpy_material.api import Law
 from hypernode.export.numpy_material.cells import nearest_cell
-from hypernode.export.numpy_material.mechanics import invariants, positive_part, stress_with_structure
+from hypernode.export.numpy_material.mechanics import invariants, positive_part, stress_with_structure, stretch_powers
 
 
 def cell_coefficients(data, spec, X):
@@ -49,10 +50,9 @@ def subcell_response(F, s, p):
     energy, dI1, dI2, dJ, S = e + 0.0, np.ones_like(e), p.get("c2", 0.0), 0.0, (0.0, 0.0, 0.0)
     energy = energy + dI2 * (I["I2"] - 3.0)
     if "c5" in p:
-        energy = energy + p["c5"] * (I["I1"] ** 3 - 3.0 * I["I1"] * I["I2"]) / 9.0
-        energy = energy + p["c6"] * (I["I2"] ** 2 - 2.0 * I["I1"] - 3.0) / 4.0
-        dI1 = dI1 + p["c5"] * (I["I1"] ** 2 - I["I2"]) / 3.0 - 0.5 * p["c6"]
-        dI2 = dI2 - p["c5"] * I["I1"] / 3.0 + 0.5 * p["c6"] * I["I2"]
+        for letter, power in zip(("c5", "c6", "c7"), stretch_powers(I).values(), strict=True):
+            value, by_I1, by_I2 = (p[letter] * each for each in power)
+            energy, dI1, dI2 = energy + value, dI1 + by_I1, dI2 + by_I2
     if "c1" in p:
         square, slope = stiffened(e, s, p.get("h1"))
         energy, dI1 = energy + p["c1"] * square / (2.0 * s), dI1 + p["c1"] * slope / (2.0 * s)

@@ -28,6 +28,18 @@ def invariants(F, angle):
     }
 
 
+def stretch_powers(I):
+    """{name: (value, its derivatives by I1 and I2)} of sums of powers of the principal stretches of a sheet.
+
+    (l1^6 + l2^6 + l3^6 - 3) / 9, (l1^4 + l2^4 + l3^4 - 3) / 4 and (l1^-4 + l2^-4 + l3^-4 - 3) / 4.
+    """
+    return {
+        "ogden_6": ((I["I1"] ** 3 - 3.0 * I["I1"] * I["I2"]) / 9.0, (I["I1"] ** 2 - I["I2"]) / 3.0, -I["I1"] / 3.0),
+        "ogden_4": ((I["I1"] ** 2 - 2.0 * I["I2"] - 3.0) / 4.0, 0.5 * I["I1"], -0.5),
+        "ogden_minus_4": ((I["I2"] ** 2 - 2.0 * I["I1"] - 3.0) / 4.0, -0.5, 0.5 * I["I2"]),
+    }
+
+
 def stress_with_structure(F, dI1, dI2, S, dJ):
     """P[i, J, n] = dI1 dI1/dF + dI2 dI2/dF + dJ dJ/dF + F S, for S = 2 sum_k dPsi/dI4k a_k x a_k as (S11, S22, S12)."""
     (F11, F12), (F21, F22) = F

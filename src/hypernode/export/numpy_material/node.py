@@ -1,14 +1,24 @@
 """A hyper-network from the position to the parameters of increasing functions, which are the derivatives of the energy.
 
 dPsi/dI of an invariant is a constant, exp(logarithm), and a share of the increasing function of each term it is in: of
-(I - I(F = 1)) / invariant_scale, or of a mixture of two invariants. All is in units of stress_scale.
+(I - I(F = 1)) / invariant_scale, or of a mixture of two invariants. Sums of powers of stretches count as invariants.
+All is in units of stress_scale.
 """
 
 import numpy as np
 
 from hypernode.export.numpy_material.api import Law
-from hypernode.export.numpy_material.mechanics import REFERENCE, first_piola_kirchhoff, invariants, positive_part
+from hypernode.export.numpy_material.mechanics import (
+    REFERENCE,
+    first_piola_kirchhoff,
+    invariants,
+    positive_part,
+    stretch_powers,
+)
 from hypernode.export.numpy_material.potentials import POTENTIALS
+
+#: Invariants and sums of powers whose derivative has a constant part, in the order of its parameters.
+CONSTANTS = ("I1", "I2", "ogden_6", "ogden_4", "ogden_minus_4")
 
 
 def network(data, spec, X):
@@ -25,7 +35,7 @@ def split_parameters(data, spec, X):
     terms, raw = spec["terms"], network(data, spec, X)
     weights, rest = np.split(raw, [spec["weights_per_term"] * len(terms)])
     mixed = [k for k, term in enumerate(terms) if len(term) == 2]
-    constants = [name for name in ("I1", "I2") if [name] in terms]
+    constants = [name for name in CONSTANTS if [name] in terms]
     share = {k: 1.0 / (1.0 + np.exp(-rest[m])) for m, k in enumerate(mixed)}
     rest = rest[len(mixed) :]
     own = np.exp(rest[len(constants) :][: len(terms)]) if spec["scaled"] else [spec["share"]] * len(terms)
@@ -35,7 +45,7 @@ def split_parameters(data, spec, X):
         "mixture": [(share[k], 1.0 - share[k]) if k in share else (1.0,) for k in range(len(terms))],
         "constants": dict(zip(constants, np.exp(rest[: len(constants)]), strict=True)),
         "own": own,
-        "angle": raw[-1] if any("4" in name for term in terms for name in term) else 0.0,
+        "angle": raw[-1] if any("I4" in name for term in terms for name in term) else 0.0,
     }
 
 
@@ -46,17 +56,22 @@ def energy_derivatives(I, p):
     shifted = {name: I[name] - REFERENCE[name] for name in REFERENCE}
     if compressible:
         shifted["I1"] = I["I1"] - 1.0 / I["J"] ** 2 - 2.0
-    total = {name: p["constants"].get(name, 0.0) + 0.0 * I["I1"] for name in REFERENCE}
+    powers = {name: power for name, power in stretch_powers(I).items() if [name] in spec["terms"]}
+    shifted |= {name: value for name, (value, _, _) in powers.items()}
+    total = {name: p["constants"].get(name, 0.0) + 0.0 * I["I1"] for name in shifted}
     slope = POTENTIALS[spec["potential"]]
     for k, term in enumerate(spec["terms"]):
         value = sum(share * shifted[name] for share, name in zip(p["mixture"][k], term, strict=True))
-        value = positive_part(value) if any("4" in name for name in term) else value
+        value = positive_part(value) if any("I4" in name for name in term) else value
         found = p["own"][k] * slope(value / spec["invariant_scale"], p["weights"][:, k], spec["hidden"], spec["steps"])
         for share, name in zip(p["mixture"][k], term, strict=True):
             total[name] = total[name] + share * found
     if compressible:
         # tr C = I1 - 1/J^2, and the undeformed sheet is free of stress.
         total["J"] = total["J"] + 2.0 * total["I1"] / I["J"] ** 3 - 2.0 * p["constants"]["I1"]
+    for name, (_, by_I1, by_I2) in powers.items():
+        slope = total.pop(name)
+        total["I1"], total["I2"] = total["I1"] + slope * by_I1, total["I2"] + slope * by_I2
     return {name: spec["stress_scale"] * value for name, value in total.items()}
 
 
