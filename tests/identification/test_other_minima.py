@@ -9,6 +9,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.other_minima import (
     resembling,
+    with_law_of_sheet,
     without_fibres,
     without_outlying_cells,
     without_stray_cells,
@@ -19,6 +20,22 @@ from hypernode.identification.strategy import identify
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
+
+
+def test_a_term_that_went_from_all_cells_comes_back_where_forces_need_it():
+    terms, values = ("I1_squared", "I1_stiffening"), {"log1p_I1_squared": 1.5, "log1p_I1_stiffening": 1.2}
+    data, _, _ = sheet(
+        6, square, make_load("clamped_y", [1.1, 1.2, 1.3]), noise=7e-4, terms=terms, values=values.items()
+    )
+    settings = Constrained(terms=list(terms), force_noise=0.005, iterations=12)
+    right = descend(field_problem(data, settings), settings, "square", None, (), settings.tolerance)
+    names, params = right.basis.names, right.params.copy()
+    params[:, names.index("log1p_I1_stiffening")] = -3.0
+    gone = descend(right.problem, settings, "square", right.at(params), (), settings.tolerance)
+    assert gone.params[:, names.index("log1p_I1_stiffening")].max() < 0.0 and gone.misfits["force"] > 2.0
+    found = with_law_of_sheet(gone, settings, "square")
+    assert found.misfits["force"] < 1.0 and found.cost < right.cost + 2.0
+    assert with_law_of_sheet(found, settings, "square").cost <= found.cost
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from hypernode.mechanics.closed_forms import compressible_neo_hookean, goh, hgo, mooney_rivlin, neo_hookean
+from hypernode.mechanics.closed_forms import compressible_neo_hookean, demiray, goh, hgo, mooney_rivlin, neo_hookean
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 from hypernode.mechanics.kinematics import Invariants, invariants
 from hypernode.mechanics.parameters import BASIS_TERMS
@@ -63,6 +63,14 @@ def test_the_basis_contains_fibres_whose_stress_rises_exponentially(k2):
     params = np.array([np.log(0.5), *fibre, np.log(b / (1 - b)), np.log1p(h)])
     wanted = stress_of(goh, F, {"C10": 0.5, "k1": k1, "k2": k2, "kappa": kappa}, angle)
     np.testing.assert_allclose(basis.stress(F, params), wanted, rtol=3e-3)
+
+
+@pytest.mark.parametrize("b", [0.5, 6.0])
+def test_the_basis_contains_sheets_whose_stress_rises_exponentially_without_fibres(b):
+    F = np.array([[1.2, 0.08], [-0.03, 1.1]])
+    basis, h = ConvexBasis(("I1_squared", "I1_stiffening"), SCALE), b * SCALE
+    found = basis.stress(F, np.array([np.log(0.5), np.log1p(h * np.exp(h / 8.0**0.5)), np.log1p(h)]))
+    np.testing.assert_allclose(found, stress_of(demiray, F, {"mu": 1.0, "b": b}), rtol=1e-3)
 
 
 def test_the_basis_contains_two_families_of_fibres():

@@ -22,6 +22,22 @@ def _nearly(found: Estimate, params, settings: Constrained, name: str) -> Estima
     return likeliest(found, reached.after(found))
 
 
+def with_law_of_sheet(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """The more probable of ``found`` and where a descent ends that begins with one law in all cells, as stiff as found.
+
+    While interfaces are sought, steps may take a term away from all cells. It then has no slope that would bring it
+    back, whatever forces say. The homogeneous fit has the terms that the forces need.
+    """
+    problem = found.problem
+    params = np.tile(problem.homogeneous.params, (len(found.params), 1))
+    params[:, 0] += problem.stiffness(found.params)[0] - problem.stiffness(params)[0]
+    other = found.at(params)
+    if other is None:
+        return found
+    reached = descend(problem, settings, name, other, (), settings.tolerance)
+    return likeliest(found, reached.after(found))
+
+
 def without_fibres(found: Estimate, settings: Constrained, name: str) -> Estimate:
     """Where a descent without fibres ends, if a noisy test does not tell of them and that field is the more probable.
 

@@ -25,6 +25,7 @@ from hypernode.identification.gauss_newton import descend, described
 from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
+    with_law_of_sheet,
     without_fibres,
     without_outlying_cells,
     without_stray_cells,
@@ -125,18 +126,32 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
                 tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
             if not any(each.complete for each in tried):
                 tried.insert(0, with_terms(settings.terms, plain, further))
+            tried = [_as_one_law(each, settings, name) for each in tried]
             if likeliest(*tried).ambiguous:
                 tried.append(with_terms(settings.terms, None, further))
     found = likeliest(*tried)
     if settings.further_terms and found.underfitted:
-        terms, last = [*settings.terms, *settings.further_terms], strategy.last_term
-        soon = [term for term in terms if term != last]
-        begun = _beginning([plain, *tried], soon)
-        tried = [found, with_terms(soon, begun, further if last in terms else ())]
-        if last in terms:
-            tried.append(with_terms(terms, tried[-1], ()))
+        tried = [found, *_with_further_terms([plain, *tried], settings, strategy, with_terms)]
         found = likeliest(*tried)
     return _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+
+
+def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """What is likelier than a field without fibres that leaves the test ambiguous; :func:`with_law_of_sheet`.
+
+    Which fibres a whole sheet has, its forces do not tell.
+    """
+    told = not found.basis.has_fibres and len(found.basis.names) > 1
+    return with_law_of_sheet(found, settings, name) if told and found.ambiguous else found
+
+
+def _with_further_terms(tried: list[Estimate | None], settings: Constrained, strategy: Strategy, with_terms) -> list:
+    """Fields that have the further terms as well, the last of which, that makes the longest valleys, comes last."""
+    terms, last = [*settings.terms, *settings.further_terms], strategy.last_term
+    soon = [term for term in terms if term != last]
+    plateaus = strategy.further_plateaus if last in terms else ()
+    found = [with_terms(soon, _beginning(tried, soon), plateaus)]
+    return [*found, with_terms(terms, found[0], ())] if last in terms else found
 
 
 def _beginning(tried: list[Estimate | None], terms: list[str]) -> Estimate | None:

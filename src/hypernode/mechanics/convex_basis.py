@@ -10,12 +10,14 @@ fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It give
 their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
 or turn. The family across, N, comes with the share q of their strength and ends where they do.
 
-With the term stiffening the squares of the fibres' strains become exponentials, and with I1_stiffening that of
-I1 - 3, each with a positive h of its own,
+With the term stiffening the squares of the fibres' strains become exponentials, as those of tissues have them, and with
+I1_stiffening that of E = I1 - 3 becomes the exponential without its first two terms, as in Demiray's law, each with a
+positive h of its own,
 
 E^2 -> s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h,
+E^2 -> 2 s^2 (exp(h E / s) - 1 - h E / s) exp(-h / 8^0.5) / h^2,
 
-so that at E^2 = s^2 / 2 they are as stiff as without: strength and stiffening hardly trade places.
+so that at E^2 = s^2 / 2 they are about as stiff as without: strength and stiffening hardly trade places.
 
 With the term ogden three of Ogden's powers of the principal stretches l join, 6, 4 and -4, whose functions of I1 and I2
 are polynomials, scaled as I1 - 3 for small strains,
@@ -198,10 +200,12 @@ class ConvexBasis:
         E = jnp.maximum(E, 0.0)
         if term not in self.terms:
             return E**2, 2.0 * E
-        h, relative = _coefficient(p[f"log1p_{term}"]), (E / self.invariant_scale) ** 2
-        unstretched = jnp.exp(-h / 2.0)
-        square = self.invariant_scale**2 * jnp.expm1(h * relative) * unstretched / h
-        return square, 2.0 * E * jnp.exp(h * relative) * unstretched
+        s, h = self.invariant_scale, _coefficient(p[f"log1p_{term}"])
+        if term == "I1_stiffening":
+            y, unstretched = h * E / s, jnp.exp(-h / 8.0**0.5)
+            return 2.0 * s**2 * (jnp.expm1(y) - y) * unstretched / h**2, 2.0 * s * jnp.expm1(y) * unstretched / h
+        y, unstretched = h * (E / s) ** 2, jnp.exp(-h / 2.0)
+        return s**2 * jnp.expm1(y) * unstretched / h, 2.0 * E * jnp.exp(y) * unstretched
 
     def _fibre(self, F, e1, p):
         """(strength k, dispersion b, families); a family is its share, (M11, M22, M12) and its strain E.

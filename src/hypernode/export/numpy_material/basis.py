@@ -3,9 +3,9 @@
 Psi = c [ (I1 - 3) + c1 <I1 - 3>^2 / (2 s) + c2 (I2 - 3) + k (<E_M>^2 + q <E_N>^2) / (2 s) ],
 E_M = b (I1 - 3) + (1 - b)(M : C - 1),  M = [1 + rx, ry; ry, 1 - rx] / 2,  N = 1 - M;
 
-with h (or h1, of <I1 - 3>) the squares are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h; with c5 to c7 powers
-6, 4 and -4 of the principal stretches join, c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I1^2 - 2 I2 - 3) / 4
-+ c7 (I2^2 - 2 I1 - 3) / 4]; with c3 and c4 the sheet is
+with h the squares of fibres are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h, with h1 that of E = <I1 - 3> is
+2 s^2 (exp(h1 E / s) - 1 - h1 E / s) exp(-h1 / 8^0.5) / h1^2; with c5 to c7 powers 6, 4 and -4 of principal stretches
+join, c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I1^2 - 2 I2 - 3) / 4 + c7 (I2^2 - 2 I1 - 3) / 4]; with c3 and c4 the sheet is
 compressible: I1 - 3 is tr C - 2 in the plane, the first term tr C - 2 J, and the area adds
 c [2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3)].
 """
@@ -23,13 +23,22 @@ def cell_coefficients(data, spec, X):
     return spec["invariant_scale"], {letter: data[letter][:, cell] for letter in spec["letters"]}
 
 
-def stiffened(E, s, h):
+def stiffened_fibres(E, s, h):
     """(<E>^2, or what h makes of it; its derivative by E)."""
     E = positive_part(E)
     if h is None:
         return E**2, 2.0 * E
-    relative, unstretched = (E / s) ** 2, np.exp(-h / 2.0)
-    return s**2 * np.expm1(h * relative) * unstretched / h, 2.0 * E * np.exp(h * relative) * unstretched
+    y, unstretched = h * (E / s) ** 2, np.exp(-h / 2.0)
+    return s**2 * np.expm1(y) * unstretched / h, 2.0 * E * np.exp(y) * unstretched
+
+
+def stiffened_matrix(E, s, h):
+    """The same of I1 - 3."""
+    E = positive_part(E)
+    if h is None:
+        return E**2, 2.0 * E
+    y, unstretched = h * E / s, np.exp(-h / 8.0**0.5)
+    return 2.0 * s**2 * (np.expm1(y) - y) * unstretched / h**2, 2.0 * s * np.expm1(y) * unstretched / h
 
 
 def families(F, isotropic, p):
@@ -54,11 +63,11 @@ def subcell_response(F, s, p):
             value, by_I1, by_I2 = (p[letter] * each for each in power)
             energy, dI1, dI2 = energy + value, dI1 + by_I1, dI2 + by_I2
     if "c1" in p:
-        square, slope = stiffened(e, s, p.get("h1"))
+        square, slope = stiffened_matrix(e, s, p.get("h1"))
         energy, dI1 = energy + p["c1"] * square / (2.0 * s), dI1 + p["c1"] * slope / (2.0 * s)
     if "k" in p:
         for share, M, E in families(F, e, p):
-            square, slope = stiffened(E, s, p.get("h"))
+            square, slope = stiffened_fibres(E, s, p.get("h"))
             weight = p["k"] * share / (2.0 * s)
             energy, dI1 = energy + weight * square, dI1 + p["b"] * weight * slope
             on_fibres = 2.0 * (1.0 - p["b"]) * weight * slope
