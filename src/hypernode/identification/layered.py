@@ -20,6 +20,7 @@ from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.objective import white_residuals
 from hypernode.identification.phases import of_one_material
 from hypernode.identification.problem import FieldProblem, with_law
+from hypernode.identification.settings import Strategy
 from hypernode.mechanics.layers import Layers
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
@@ -82,6 +83,9 @@ class _Descent:
             gained = np.inf if best is None else best.cost - ended.cost
             best = ended
             materials, line, states = best.materials, best.distance, best.states
+            if number >= strategy.layer_measured and _hopeless(history, strategy):
+                say("constrained field", self._name, f"no two materials and a line: misfit {history[-1]:.3g}")
+                return None
             if gained < strategy.layer_gain and number > strategy.layer_measured:
                 ending = Ending.CONVERGED
                 break
@@ -217,6 +221,11 @@ class _Descent:
             columns=self._columns(line, nodes),
             held=held,
         )
+
+
+def _hopeless(history: list[float], strategy: Strategy) -> bool:
+    """Whether a test is far from explained, and a round hardly came nearer."""
+    return history[-1] > max(strategy.unexplained, (1.0 - strategy.layer_nearer) * history[-2])
 
 
 def _held(ridge, bends) -> scipy.sparse.csr_matrix:

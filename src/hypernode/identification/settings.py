@@ -183,10 +183,11 @@ class Strategy:
     #: Columns of the Jacobian at a time, for memory.
     columns_at_once: int = 128
 
-    #: Two materials in layers: rounds of a line's normals, steps of each, and what both must gain.
+    #: Two materials in layers: rounds of a line's normals, steps of each, what both gain; share of a large misfit.
     layer_rounds: int = 12
     layer_steps: int = 4
     layer_gain: float = 0.5
+    layer_nearer: float = 0.05
     #: Rounds that measure distances anew. In sides of cells: how near the line they change, and bend; a usual bend.
     layer_measured: int = 3
     layer_reach: float = 1.6
@@ -196,15 +197,14 @@ class Strategy:
     layer_held: float = 3.0
     layer_fewest: int = 4
 
-    # Coarse grid first.
     #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
     #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
-    # Subcells: rows and columns of each cell, how many a sheet may have, for memory, and how many iterations pay.
+    # Subcells: rows and columns of each cell, how many a sheet may have, for memory, and how many iterations at most.
     subcells: int = 2
     most_subcells: int = 16000
-    subcells_iterations: int = 12
+    subcells_iterations: int = 24
     #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
     #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
