@@ -119,7 +119,7 @@ class Strategy:
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
     curvature_probes: int = 2
-    #: Directions that a deflated solve keeps for the next one.
+    #: Directions that a deflated solve keeps.
     deflated_directions: int = 40
     #: Relative residual and most iterations of a posterior sample.
     sample_tolerance: float = 0.01
@@ -131,21 +131,21 @@ class Strategy:
     #: A displacement misfit this close to its noise counts as explained.
     explained: float = 1.05
     #: Misfits of displacements and of forces, over their uncertainties, beyond which a test is not explained; and how
-    #: far finite elements describe forces, over them: those of good fields are missed by a thousandth.
+    #: far finite elements describe forces, over them: those of good fields are missed by a thousandth. Of sheets that
+    #: are not of our making the terms follow no law to better than half a hundredth.
     unexplained: float = 2.0
     forces_unexplained: float = 2.5
     forces_described: float = 2.4e-3
+    laws_described: float = 5e-3
     #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance, and
     #: beyond which it never does.
     by_chance: float = 1.0
     never_by_chance: float = 3.0
     #: Standard deviations by which it never falls short of that noise. A field has parameters, so that by two it does.
     never_so_little: float = 5.0
-    #: Share of the cost that misfits without noise have where the terms do not contain the material: half and more.
-    #: Where they do, a few hundredths.
+    #: Share of the cost that misfits without noise have where the terms do not contain the material; else hundredths.
     much_left: float = 0.3
-    #: Share of the cost below which misfits leave nothing to explain: without noise, that of a neo-Hookean sheet is a
-    #: few thousandths, and that of any other nearly one.
+    #: Share of the cost below which misfits leave nothing to explain: of neo-Hookean sheets it is a few thousandths.
     nothing_left: float = 0.02
 
     # Order of the terms.
