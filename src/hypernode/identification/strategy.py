@@ -137,12 +137,13 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
 
 
 def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:
-    """What is likelier than a field without fibres that leaves the test ambiguous; :func:`with_law_of_sheet`.
+    """What is likelier than a field without fibres that follows displacements and still leaves the test ambiguous.
 
-    Which fibres a whole sheet has, its forces do not tell.
+    Which fibres a whole sheet has, its forces do not tell; see :func:`with_law_of_sheet`.
     """
     told = not found.basis.has_fibres and len(found.basis.names) > 1
-    return with_law_of_sheet(found, settings, name) if told and found.ambiguous else found
+    followed = found.history[-1] <= found.problem.strategy.unexplained
+    return with_law_of_sheet(found, settings, name) if told and followed and found.ambiguous else found
 
 
 def _with_further_terms(tried: list[Estimate | None], settings: Constrained, strategy: Strategy, with_terms) -> list:
