@@ -105,9 +105,10 @@ class Estimate:
     def unexplained(self) -> float:
         """The larger of the two misfits, as they are weighed, over what is still explained: beyond one, it is not."""
         strategy, forces = self.problem.strategy, self.misfits["force"]
+        # Forces across the pull are nearly zero, and uncertain by any share of themselves.
         relative = [force.sigma / abs(force.value) for force in self.problem.forces if force.value]
         share = strategy.forces_described if self.problem.observations.own_grid else strategy.laws_described
-        described = share / float(np.median(relative)) if relative else 0.0
+        described = share / min(relative) if relative else 0.0
         limit = max(strategy.forces_unexplained, described)
         return max(float(self.history[-1]) / strategy.unexplained, forces / limit)
 
