@@ -24,6 +24,9 @@ are polynomials, scaled as I1 - 3 for small strains,
 
 Psi_O = c [ c5 (l1^6 + l2^6 + l3^6 - 3) / 9 + c6 (l1^4 + l2^4 + l3^4 - 3) / 4 + c7 (l1^-4 + l2^-4 + l3^-4 - 3) / 4 ].
 
+Ogden's laws have no I1. So that they are no limit of a vanishing c, the level of such a material is c times
+1 + c2 + c5 + c6 + c7, its stiffness for small strains, and c1 and k are relative to that.
+
 With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
 alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
 
@@ -41,7 +44,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
-from hypernode.mechanics.parameters import BASIS_TERMS
+from hypernode.mechanics.parameters import BASIS_TERMS, POWERS
 from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
@@ -132,17 +135,18 @@ class ConvexBasis:
         I = invariants(F, 0.0)
         e1, e2 = self._isotropic(I), I.I2 - 3.0
         total = e1
+        if "I2" in self.terms:
+            total = total + _coefficient(p["log1p_I2"]) * e2
+        if "ogden" in self.terms:
+            for name, (value, _, _) in stretch_powers(I).items():
+                total = total + _coefficient(p[f"log1p_{name}"]) * value
+            total = total / self._mixed(p)
         if "J" in self.terms:
             total = total - 2.0 * (I.J - 1.0) + _coefficient(p["log1p_J_area"]) * 2.0 * (I.J - 1.0 - jnp.log(I.J))
             total = total + _coefficient(p["log1p_J_volume"]) * (2.0 * I.J + 1.0 / I.J**2 - 3.0)
         if "I1_squared" in self.terms:
             square, _ = self._square(e1, p, "I1_stiffening")
             total = total + _coefficient(p["log1p_I1_squared"]) * square / (2.0 * self.invariant_scale)
-        if "I2" in self.terms:
-            total = total + _coefficient(p["log1p_I2"]) * e2
-        if "ogden" in self.terms:
-            for name, (value, _, _) in stretch_powers(I).items():
-                total = total + _coefficient(p[f"log1p_{name}"]) * value
         if "fibre" in self.terms:
             strength, _, families = self._fibre(F, e1, p)
             squares = sum(share * self._square(E, p, "stiffening")[0] for share, _, E in families)
@@ -155,15 +159,16 @@ class ConvexBasis:
         I = invariants(F, 0.0)
         e1 = self._isotropic(I)
         dI1, dI2, S = jnp.ones_like(e1), jnp.zeros_like(e1), (0.0, 0.0, 0.0)
-        if "I1_squared" in self.terms:
-            _, slope = self._square(e1, p, "I1_stiffening")
-            dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * slope / (2.0 * self.invariant_scale)
         if "I2" in self.terms:
             dI2 = dI2 + _coefficient(p["log1p_I2"])
         if "ogden" in self.terms:
             for name, (_, by_I1, by_I2) in stretch_powers(I).items():
                 coefficient = _coefficient(p[f"log1p_{name}"])
                 dI1, dI2 = dI1 + coefficient * by_I1, dI2 + coefficient * by_I2
+            dI1, dI2 = dI1 / self._mixed(p), dI2 / self._mixed(p)
+        if "I1_squared" in self.terms:
+            _, slope = self._square(e1, p, "I1_stiffening")
+            dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * slope / (2.0 * self.invariant_scale)
         if "fibre" in self.terms:
             strength, b, families = self._fibre(F, e1, p)
             for share, M, E in families:
@@ -188,7 +193,16 @@ class ConvexBasis:
             k, x, y = _aligned(p)
             found |= {"k": k, "rx": x, "ry": y}
             found["b"] = jax.nn.sigmoid(p["logit_dispersion"])
+        if "ogden" in self.terms:
+            mixed = self._mixed(p)
+            found["c"] = found["c"] / mixed
+            found |= {letter: found[letter] * mixed for letter in ("c1", "k") if letter in found}
         return found
+
+    def _mixed(self, p):
+        """1 + c2 + c5 + c6 + c7, what is relative to the level where powers of stretches join."""
+        names = ["log1p_I2"] * ("I2" in self.terms) + [f"log1p_{name}" for name in POWERS]
+        return 1.0 + sum(_coefficient(p[name]) for name in names)
 
     def _isotropic(self, I):
         """I1 - 3, or tr C - 2 where the sheet is compressible."""
