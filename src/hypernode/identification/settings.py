@@ -201,16 +201,16 @@ class Strategy:
     #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
-    # Subcells: rows and columns of each cell, how many a sheet may have, for memory, and how many iterations at most.
+    # Subcells: a side of a cell, how many a sheet has at most, for memory, iterations, misfits of rivals over the best.
     subcells: int = 2
     most_subcells: int = 16000
     subcells_iterations: int = 24
+    rival_misfit: float = 1.5
     #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
     #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
     smallest_reestimate: float = 0.25
-    #: Noise rules from this share of the assumed error of the description on, which is known to that factor only. Where
-    #: the test cannot be explained so, from that error on.
+    #: Noise rules from this share of the assumed error of the description on; from all of it where nothing explains.
     noise_rules: float = 0.25
 
     #: What a jump of each further parameter counts, against one of the logarithm of the stiffness.

@@ -195,12 +195,14 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
 def rivals(found: Estimate, tried: list[Estimate]) -> list[Estimate]:
     """Fields of other terms that explain a test as well, as far as what undivided cells miss of it allows to tell.
 
-    Subcells miss less, and tell which terms are right.
+    Subcells miss less, and tell which terms are right. Not where a field misses displacements by so much more that what
+    interfaces cut, which is alike for all terms, does not account for it.
     """
     if not found.problem.blurred:
         return []
     others = [each for each in tried if each.problem.basis.terms != found.problem.basis.terms]
-    return [each for each in others if each.unexplained <= 1.0]
+    as_well = found.problem.strategy.rival_misfit * float(found.history[-1])
+    return [each for each in others if each.unexplained <= 1.0 and each.history[-1] <= as_well]
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:

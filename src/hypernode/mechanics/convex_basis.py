@@ -44,7 +44,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
-from hypernode.mechanics.parameters import BASIS_TERMS, POWERS
+from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
@@ -201,7 +201,7 @@ class ConvexBasis:
 
     def _mixed(self, p):
         """1 + c2 + c5 + c6 + c7, what is relative to the level where powers of stretches join."""
-        names = ["log1p_I2"] * ("I2" in self.terms) + [f"log1p_{name}" for name in POWERS]
+        names = [name for term in ("I2", "ogden") if term in self.terms for name in PARAMETERS[term]]
         return 1.0 + sum(_coefficient(p[name]) for name in names)
 
     def _isotropic(self, I):

@@ -1,9 +1,6 @@
 """Parameters of the closed-form materials and their ranges; free of imports so that the config can
 read it fast. Moduli in the stress unit of the test, fibre_angle in degrees."""
 
-#: Sums of powers of the principal stretches, which are functions of I1 and I2
-#: (:func:`~hypernode.mechanics.kinematics.stretch_powers`).
-POWERS = ("ogden_6", "ogden_4", "ogden_minus_4")
 #: Terms that the convex basis may have beside the neo-Hookean one.
 BASIS_TERMS = ("I1_squared", "I2", "ogden", "fibre", "across", "stiffening", "I1_stiffening", "J")
 _MODULUS, _ANY = (1e-12, 1e12), (-1e12, 1e12)
