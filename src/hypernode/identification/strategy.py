@@ -21,7 +21,7 @@ from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.coarsening import coarsened
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
-from hypernode.identification.gauss_newton import descend, described
+from hypernode.identification.gauss_newton import IdentificationError, descend, described
 from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
@@ -34,6 +34,7 @@ from hypernode.identification.phases import in_phases, on_finer_grid
 from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
+from hypernode.identification.subcells import rivals, subdivided
 from hypernode.progress import say
 from hypernode.verdict import Ending
 
@@ -96,6 +97,14 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance)
         return reached if before is None else reached.after(before)
 
+    def if_in_equilibrium(terms, before, plateaus):
+        """The field in a list, which is empty where other terms may do without these."""
+        try:
+            return [with_terms(terms, before, plateaus)]
+        except IdentificationError as error:
+            say("constrained", name, f"these terms are left out: {error}")
+            return []
+
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     first = [term for term in settings.terms if term == "J"]
     further = strategy.further_plateaus if settings.further_terms else ()
@@ -111,29 +120,34 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
         doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
         if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
-            tried.append(with_terms(settings.terms, tried[0], further))
+            tried += if_in_equilibrium(settings.terms, tried[0], further)
     elif settings.terms == first:
         tried = [with_terms(first, None, further)]
     else:
         plain = with_terms(first, None, strategy.stiffness_plateaus, strategy.stiffness_tolerance)
-        tried = [plain]
-        if plain.data_share >= strategy.nothing_left:
-            # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms; not where
-            # interfaces cut cells, which as mixtures are no such material.
-            alone = plain.problem.noisy and plain.problem.observations.own_grid and not plain.ambiguous
-            tried = [with_terms(first, plain, ())] if alone else []
-            if settings.isotropic_terms and "fibre" in settings.terms:
-                tried.append(with_terms(settings.isotropic_terms, plain, strategy.isotropic_plateaus))
-            if not any(each.complete for each in tried):
-                tried.insert(0, with_terms(settings.terms, plain, further))
-            tried = [_as_one_law(each, settings, name) for each in tried]
-            if likeliest(*tried).ambiguous:
-                tried.append(with_terms(settings.terms, None, further))
+        tried = _beside(plain, first, settings, strategy, name, if_in_equilibrium)
     found = likeliest(*tried)
     if settings.further_terms and found.underfitted:
-        tried = [found, *_with_further_terms([plain, *tried], settings, strategy, with_terms)]
+        tried = [found, *_with_further_terms([plain, *tried], settings, strategy, if_in_equilibrium)]
         found = likeliest(*tried)
     return _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+
+
+def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: Strategy, name: str, field_of) -> list:
+    """Fields with the terms of the basis, with and without fibres, that begin at the stiffness; or that of it alone."""
+    if plain.data_share < strategy.nothing_left:
+        return [plain]
+    # Where the stiffness alone explains a noisy test, it stands for itself beside richer terms; not where
+    # interfaces cut cells, which as mixtures are no such material.
+    alone = plain.problem.noisy and plain.problem.observations.own_grid and not plain.ambiguous
+    further = strategy.further_plateaus if settings.further_terms else ()
+    tried = field_of(first, plain, ()) if alone else []
+    if settings.isotropic_terms and "fibre" in settings.terms:
+        tried += field_of(settings.isotropic_terms, plain, strategy.isotropic_plateaus)
+    if not any(each.complete for each in tried):
+        tried = field_of(settings.terms, plain, further) + tried
+    tried = [_as_one_law(each, settings, name) for each in tried or [plain]]
+    return tried + field_of(settings.terms, None, further) if likeliest(*tried).ambiguous else tried
 
 
 def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:
@@ -146,13 +160,13 @@ def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:
     return with_law_of_sheet(found, settings, name) if told and followed and found.ambiguous else found
 
 
-def _with_further_terms(tried: list[Estimate | None], settings: Constrained, strategy: Strategy, with_terms) -> list:
+def _with_further_terms(tried: list[Estimate | None], settings: Constrained, strategy: Strategy, field_of) -> list:
     """Fields that have the further terms as well, the last of which, that makes the longest valleys, comes last."""
     terms, last = [*settings.terms, *settings.further_terms], strategy.last_term
     soon = [term for term in terms if term != last]
     plateaus = strategy.further_plateaus if last in terms else ()
-    found = [with_terms(soon, _beginning(tried, soon), plateaus)]
-    return [*found, with_terms(terms, found[0], ())] if last in terms else found
+    found = field_of(soon, _beginning(tried, soon), plateaus)
+    return found + field_of(terms, found[-1], ()) if found and last in terms else found
 
 
 def _beginning(tried: list[Estimate | None], terms: list[str]) -> Estimate | None:
@@ -192,19 +206,6 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
     return _field(coarse, settings, name, replace(strategy, most_subcells=0))
 
 
-def rivals(found: Estimate, tried: list[Estimate]) -> list[Estimate]:
-    """Fields of other terms that explain a test as well, as far as what undivided cells miss of it allows to tell.
-
-    Subcells miss less, and tell which terms are right. Not where a field misses displacements by so much more that what
-    interfaces cut, which is alike for all terms, does not account for it.
-    """
-    if not found.problem.blurred:
-        return []
-    others = [each for each in tried if each.problem.basis.terms != found.problem.basis.terms]
-    as_well = found.problem.strategy.rival_misfit * float(found.history[-1])
-    return [each for each in others if each.unexplained <= 1.0 and each.history[-1] <= as_well]
-
-
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
     """Say on standard error what stands against believing a field."""
     misfit, strategy = found.misfits["displacement"], found.problem.strategy
@@ -221,30 +222,3 @@ def _warn(found: Estimate, settings: Constrained, name: str) -> None:
             f"allow more iterations than {settings.iterations}, or doubt what depends on its last digits",
             file=sys.stderr,
         )
-
-
-def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -> Estimate:
-    """The field with cells divided into subcells, where interfaces lie anywhere and the data can tell where.
-
-    A cell that an interface cuts is no material: neither does it deform as a mixture would, nor is it one. Subcells
-    of it are both more nearly, and what is left of the misfit tells how much of the cell is which. It also tells how
-    far finite elements describe the sheet, which depends on its contrast: where that is better than assumed, what was
-    measured is trusted as far as it shows.
-    """
-    strategy = found.problem.strategy
-    count = strategy.subcells**2 * len(found.params)
-    if not found.problem.blurred or found.unexplained > 1.0:
-        return found
-    if count > strategy.most_subcells:
-        say("constrained", name, f"cells that interfaces cut stay mixtures: {count} subcells are too many")
-        return found
-    terms, iterations = list(found.problem.basis.terms), min(strategy.subcells_iterations, settings.iterations)
-    settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
-    problem = field_problem(measurement, settings, strategy.subcells, strategy)
-    found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
-    misfit = float(found.history[-1])
-    if problem.noisy or misfit > strategy.overestimated:
-        return found
-    error = max(misfit, strategy.smallest_reestimate) * problem.sigma
-    problem = field_problem(measurement, settings, strategy.subcells, strategy, error)
-    return descend(problem, settings, name, found, (), settings.tolerance).after(found)
