@@ -49,7 +49,8 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
 def _lines(mesh: Mesh, T, edge: str | None) -> Int[np.ndarray, " test"]:
     """The line of nodes on which a test function is 1: along the tied edge, itself one, or along the shorter side."""
     axis = EDGES[edge][0] if edge is not None else int(np.argmax([len(lines) for lines in mesh.lines]))
-    first = T.tocsc().indices[T.tocsc().indptr[:-1]]
+    by_function = T.tocsc()
+    first = by_function.indices[by_function.indptr[:-1]]
     return np.searchsorted(mesh.lines[axis], mesh.nodes[first, axis])
 
 

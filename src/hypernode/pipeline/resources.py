@@ -73,7 +73,6 @@ NEEDS = {
     "pretraining": Need(1000, a_state=10, minutes=15),
     # The derivative of every cell's forces and stress by a hundred parameters, and factors as of an equilibrium field.
     "polish": Need(1200, a_cell=250, a_state=120, minutes_a_state=1.5),
-    # The inverse of the virtual work of all pairs of nodes, in double precision while it is made.
     "training": Need(800, a_state=5, minutes=30),
     "baseline": Need(600, a_state=20),
     "evaluation": Need(700, a_state=20),
