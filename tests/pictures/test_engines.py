@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from hypernode.config.correlation import Correlation
+from hypernode.config.pictures import Pictures
 from hypernode.pictures.correlation import Correlated, correlate, python_of
 from hypernode.pictures.errors import EngineMissing, PictureError
+from hypernode.pictures.photograph import recorded
+from hypernode.pictures.speckle import Pattern, sprayed
 from tests.pictures.warped import pattern, stretched, warped
 
 SIDE = 420
@@ -62,6 +65,24 @@ def test_a_known_stretch_is_followed_to_three_hundredths_of_a_pixel(name, follow
 def test_pictures_compared_one_after_the_other_add_up(name, pictures):
     found = correlate(pictures, MASK, Correlation(**engine(name), incremental=True))
     assert np.sqrt(np.nanmean(error(found, len(STRETCHES)) ** 2, axis=0)).max() < 0.03
+
+
+def test_discs_on_a_sheet_that_grows_by_a_quarter_are_not_taken_for_others():
+    pictures = Pictures(pixels=SIDE)
+    discs = Pattern.of(sprayed((SIDE, SIDE), pictures.speckle), (SIDE, SIDE))
+    row, column = np.mgrid[:SIDE, :SIDE].astype(float)
+    taken = []
+    for frame, factor in enumerate((1.0, 1.25)):
+        X = np.stack([column.ravel(), row.ravel()], axis=1)
+        light = discs.at(SIDE / 2 + (X - SIDE / 2) / factor).reshape(SIDE, SIDE)
+        taken.append(recorded(pictures.dark + (pictures.bright - pictures.dark) * light, pictures, frame))
+    # So far from the edge that its corners stay within the picture.
+    mask = np.zeros_like(MASK)
+    mask[60:-60, 60:-60] = True
+    found = correlate(np.stack(taken), mask, Correlation(**engine("al_dic") | {"subset": 21, "step": 8}))
+    wrong = found.displacement[-1] - 0.25 * (np.stack([found.column, found.row], axis=1) - SIDE / 2)
+    assert np.isfinite(wrong).all(-1).mean() > 0.95
+    assert np.sqrt(np.nanmean(wrong**2, axis=0)).max() < 0.03
 
 
 def test_both_engines_see_the_same(followed):

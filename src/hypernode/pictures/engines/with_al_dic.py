@@ -8,11 +8,17 @@ were compared, and a point that it cannot have seen is lost.
 import json
 import sys
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from al_dic import dicpara_default, run_aldic
 from al_dic.core.data_structures import GridxyROIRange
+from al_dic.mesh.mesh_setup import mesh_setup
+from al_dic.solver.seed_auto_place import AutoPlaceConfig, auto_place_seeds_on_mesh
+from al_dic.solver.seed_prop_pipeline import build_grid_for_roi
+from al_dic.solver.seed_propagation import SeedPropagationError
+from al_dic.utils.region_analysis import precompute_node_regions
 from scipy.ndimage import gaussian_filter, map_coordinates, minimum_filter
 from scipy.spatial import KDTree
 
@@ -23,6 +29,9 @@ TOLERANCE = 1e-3
 LEAST, SMOOTHING = 0.9, 1.0
 #: Subsets that are sampled together, for the sake of memory.
 TOGETHER = 500
+#: Every so many points are looked at for one that the others are followed from; and its least correlation before it
+#: deforms, which in pictures of a sheet that is stretched by a fifth is 0.9 at best and 0.3 by chance.
+STRIDE, FOUND = 4, 0.5
 #: A point and its eight neighbours, whose displacements show how its subset deforms.
 NEIGHBOURS = 9
 
@@ -82,6 +91,39 @@ def judged(pictures, place, displacement, settings: dict):
     return displacement, np.stack(correlation)
 
 
+def from_seeds(para, pictures, mask, reach: int):
+    """Parameters by which points are followed from one that is found in the first and the last picture.
+
+    Each then begins as its neighbour ended. Looked for one by one, without deforming, points of a stretched sheet are
+    taken for others; pictures that are compared with those before hardly differ.
+    """
+    mesh = mesh_setup(*build_grid_for_roi(para, *mask.shape), para)
+    seeds = auto_place_seeds_on_mesh(
+        mesh.coordinates_fem,
+        mesh.elements_fem,
+        precompute_node_regions(mesh.coordinates_fem, mask.astype(float), mask.shape),
+        pictures[0],
+        pictures[-1],
+        mask,
+        para.winsize,
+        reach,
+        AutoPlaceConfig(ncc_threshold=FOUND, stride=STRIDE),
+    ).seed_set
+    return replace(para, init_guess_mode="seed_propagation", seed_set=seeds) if seeds.seeds else para
+
+
+def followed(para, pictures, masks):
+    """What al-dic finds; from a search for every point where no seed leads through all pictures."""
+    with warnings.catch_warnings():
+        # It says that the search fits the picture only with less reach, and takes less.
+        warnings.filterwarnings("ignore", message="Auto-scaled FFT search region")
+        try:
+            return run_aldic(para, list(pictures), masks, compute_strain=False)
+        except SeedPropagationError:
+            para = replace(para, init_guess_mode="fft", seed_set=None)
+            return run_aldic(para, list(pictures), masks, compute_strain=False)
+
+
 def follow(folder: Path) -> dict:
     """The points of every picture after the first, as al-dic finds them."""
     pictures = np.load(folder / "pictures.npy").astype(float)
@@ -104,12 +146,9 @@ def follow(folder: Path) -> dict:
         img_ref_mask=mask.astype(float),
         show_plots=False,
     )
-    with warnings.catch_warnings():
-        # It says that the search fits the picture only with less reach, and takes less.
-        warnings.filterwarnings("ignore", message="Auto-scaled FFT search region")
-        found = run_aldic(
-            para, list(pictures), [mask.astype(float)] + [anywhere] * (len(pictures) - 1), compute_strain=False
-        )
+    if not settings["incremental"]:
+        para = from_seeds(para, pictures, mask, settings["reach"])
+    found = followed(para, pictures, [mask.astype(float)] + [anywhere] * (len(pictures) - 1))
     place = np.round(found.dic_mesh.coordinates_fem).astype(int)
     whole = minimum_filter(mask, subset, mode="constant")[place[:, 1], place[:, 0]]
     totals = [frame.U if frame.U_accum is None else frame.U_accum for frame in found.result_disp]
