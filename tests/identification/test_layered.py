@@ -1,5 +1,7 @@
 """Noisy sheets of two materials whose interface cuts cells: two materials and a line, where that is the likelier."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypernode.evaluation.equilibrium import nodal_forces
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.layered import in_layers
+from hypernode.identification.layered_descent import LayeredDescent
 from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.problem import field_problem
@@ -23,21 +26,22 @@ def disc(X):
     return (np.linalg.norm(X - [0.48, 0.53], axis=1) < 0.27).astype(float)
 
 
-def free_field(inclusion):
+def free_field(inclusion, *terms):
     """(noisy field of mixtures of a sheet that was computed on twice as many cells, share of the inclusion)."""
+    settings = SETTINGS.model_copy(update={"terms": list(terms)})
     data, share = observed_coarsely(CELLS, inclusion, make_load("equibiaxial", [1.05, 1.1, 1.15]), 0.0)
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
     data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE).assign_attrs(grid="measured")
-    problem = field_problem(data, SETTINGS)
+    problem = field_problem(data, settings)
     assert problem.noisy and not problem.observations.own_grid
-    return descend(problem, SETTINGS, "sheet", None, (), SETTINGS.tolerance), share
+    return descend(problem, settings, "sheet", None, (), settings.tolerance), share
 
 
 @pytest.fixture(scope="module")
 def of_a_disc():
     """(free field, the one in layers, share of the inclusion in every cell)."""
     free, share = free_field(disc)
-    return free, in_layers(free, SETTINGS, "sheet"), share
+    return free, in_layers(free, [], SETTINGS, "sheet"), share
 
 
 def test_two_materials_and_the_line_between_them_are_found(of_a_disc):
@@ -90,13 +94,37 @@ def test_a_left_out_step_is_predicted_by_chance(of_a_disc):
     assert abs(predicted.displacement - 1.0) < 4.0 / np.sqrt(2.0 * predicted.observed) and predicted.force < 3.0
 
 
+@pytest.fixture(scope="module")
+def of_richer_terms():
+    """The free field of the same test with terms that the sheet has not."""
+    return free_field(disc, "I1_squared", "I2")[0]
+
+
+def test_layers_are_found_from_coefficients_that_stand_where_they_have_no_slope(of_a_disc, of_richer_terms):
+    _, found, _ = of_a_disc
+    below = of_richer_terms.params.copy()
+    below[:, 1:] = -0.15
+    descent = LayeredDescent.of_halves(dataclasses.replace(of_richer_terms, params=below), "sheet")
+    reached = descent.end()
+    assert (reached.materials[:, 1:] >= 0.0).all()
+    assert reached.history[-1] == pytest.approx(found.history[-1], rel=0.01)
+    share = reached.params[:, reached.problem.basis.names.index("share")]
+    assert np.abs(share - found.params[:, found.problem.basis.names.index("share")]).mean() < 0.01
+
+
+def test_two_materials_are_of_the_plainest_law_that_explains_the_test(of_a_disc, of_richer_terms):
+    free, found, _ = of_a_disc
+    kept = in_layers(of_richer_terms, [free], SETTINGS, "sheet")
+    assert kept.basis.terms == () and kept.information_criterion == pytest.approx(found.information_criterion)
+
+
 def test_mixtures_stay_where_nobody_asks_for_layers_and_where_stiffness_has_a_slope(of_a_disc):
     free, _, _ = of_a_disc
-    assert in_layers(free, Constrained(terms=[]), "sheet") is free
+    assert in_layers(free, [], Constrained(terms=[]), "sheet") is free
     slope, _ = free_field(lambda X: X[:, 0])
-    assert in_layers(slope, SETTINGS, "sheet") is slope
+    assert in_layers(slope, [], SETTINGS, "sheet") is slope
 
 
 def test_a_sheet_of_one_material_gets_no_second_one():
     free, _ = free_field(lambda X: np.zeros(len(X)))
-    assert in_layers(free, SETTINGS, "sheet") is free
+    assert in_layers(free, [], SETTINGS, "sheet") is free

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
+from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY
 from hypernode.mechanics.loads import make_load
@@ -107,3 +108,48 @@ def test_noise_as_large_as_finite_elements_may_really_miss_rules_at_first():
     assert at_first.noisy and at_first.observations.contested and at_first.sigma == pytest.approx(4e-4)
     then = field_problem(measured, SETTINGS, strategy=replace(STRATEGY, noise_rules=1.0))
     assert then.blurred and then.sigma > 1.5 * at_first.sigma
+
+
+WINDOW = 0.25
+
+
+def of_a_kink(uncertainty, source=NoiseSource.MEASUREMENT):
+    """Observations of a sheet that bends along one line, through a window that is known to ``uncertainty``."""
+    data, mesh, _ = sheet(16, square, make_load("equibiaxial", [1.05, 1.1]), noise=1e-5, window=WINDOW)
+    u = np.zeros((2, len(mesh.nodes), 2))
+    u[..., 0] = np.abs(mesh.nodes[:, 0] - 0.5) * [[0.1], [0.2]]
+    data = data.assign(u_measured=(data["u_measured"].dims, u[None])).assign_attrs(window_uncertainty=uncertainty)
+    data = data.assign_attrs(BelievedNoise(source).stored())
+    return field_problem(data, SETTINGS).observations, mesh
+
+
+def weights(observations, step):
+    """Standard deviation of each observed number, over that of all: rows of the window's mean sum to one."""
+    return 1.0 / np.asarray(observations.boundaries[step].observe.sum(axis=1)).ravel()
+
+
+def test_points_whose_window_sees_a_kink_count_for_less_by_what_the_window_does_to_it():
+    exact, mesh = of_a_kink(0.0)
+    unsure, _ = of_a_kink(0.25)
+    for step in (0, 1):
+        ratio = weights(unsure, step) / weights(exact, step)
+        observed = unsure.boundaries[step].observed
+        away = np.abs(mesh.nodes[observed // 2, 0] - 0.5)
+        along_x = observed % 2 == 0
+        far, near = along_x & (away > 1.5 * WINDOW), along_x & (away < 0.2 * WINDOW)
+        assert near.any() and far.any()
+        np.testing.assert_allclose(ratio[far | ~along_x], 1.0)
+        assert (ratio[near] > 5.0).all()
+
+
+def test_the_error_of_a_window_grows_with_the_deformation_that_it_does_not_resolve():
+    unsure, mesh = of_a_kink(0.25)
+    observed = unsure.boundaries[0].observed
+    near = (observed % 2 == 0) & (np.abs(mesh.nodes[observed // 2, 0] - 0.5) < 0.2 * WINDOW)
+    np.testing.assert_allclose(weights(unsure, 1)[near] / weights(unsure, 0)[near], 2.0, rtol=0.02)
+
+
+def test_an_error_of_the_window_that_nothing_shares_counts_once():
+    shared, _ = of_a_kink(0.25)
+    alone, _ = of_a_kink(0.25, NoiseSource.INDEPENDENT)
+    assert alone.scatter == pytest.approx(1.0) and shared.scatter < 0.97

@@ -34,10 +34,15 @@ class BelievedNoise:
     source: NoiseSource = NoiseSource.MEASUREMENT
     factor: float = 1.0
 
+    @property
+    def shared_by_none(self) -> bool:
+        """Whether no error is shared by points or steps."""
+        return self.source is NoiseSource.INDEPENDENT
+
     def of(self, measurement: xr.Dataset) -> xr.Dataset:
         """The measurement with this noise in place of its own."""
         scatter, level = measurement["noise_scatter"], measurement["noise_level"]
-        if self.source is NoiseSource.INDEPENDENT:
+        if self.shared_by_none:
             level = scatter
         elif self.source is NoiseSource.FRAMES:
             scatter, level = measurement["frames_noise_scatter"], measurement["frames_noise_level"]

@@ -108,3 +108,8 @@ def correlation_window(measurement: xr.Dataset) -> tuple[float, str]:
     """(side of the window through which the camera sees, 0 without one; its kernel, ``average`` or ``quadratic``)."""
     # Files of measurements that are older than the second kernel name none.
     return float(measurement.attrs["correlation_window"]), str(measurement.attrs.get("correlation_kernel", "average"))
+
+
+def window_uncertainty(measurement: xr.Dataset) -> float:
+    """Standard deviation of what is seen through the window about the mean over it, over what that mean changes."""
+    return float(measurement.attrs.get("window_uncertainty", 0.0))

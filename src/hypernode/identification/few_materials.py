@@ -65,11 +65,12 @@ def split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -
     return finer
 
 
-def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "phase parameter"]:
-    """Median parameters of every phase, off its contours as far as it has such cells."""
+def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"], lowest) -> Float[np.ndarray, "phase parameter"]:
+    """Median parameters of every phase, off its contours as far as it has such cells, none below ``lowest``."""
     inside = ~at_contours(mesh, labels)
     members = [labels == k for k in range(labels.max() + 1)]
-    return np.array([np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members])
+    each = [np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members]
+    return np.maximum(each, lowest)
 
 
 class ReducedEquations:

@@ -29,6 +29,7 @@ from hypernode.fem.refinement import Refinement, refine
 from hypernode.fem.transfer import transfer
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
+from hypernode.identification.window_error import window_errors
 
 #: Of weights that sum to one.
 ROUNDING = 1e-9
@@ -46,7 +47,7 @@ class Boundary:
         observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
             without points between, those of the mesh that carries their information.
         observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
-            what it saw of them, both over the noise of that step and component relative to that of all. Of pictures
+            what it saw of them, both over the error of that point and component relative to that of all. Of pictures
             as independent numbers, as many as are observed.
     """
 
@@ -130,9 +131,9 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     measured = measured_displacement(measurement)
     u = filled(grid, measured)
     noise = displacement_noise(measurement)
-    window, kernel = correlation_window(measurement)
     own_grid = is_on_its_own_grid(measurement)
     information = information_of(measurement)
+    believed_noise = BelievedNoise.read(measurement.attrs)
     # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
     in_doubt = floor is None and subcells == 1 and not own_grid and information is None
     rules = strategy.noise_rules if in_doubt else 1.0
@@ -141,18 +142,18 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     cut = is_cut_out(measurement)
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     at_points = 2 * refinement.nodes[:, None] + np.arange(2)
-    seen = window_average(refinement.mesh, window, kernel)[at_points.ravel()]
-    levels = noise_of_steps(measurement)
+    seen = window_average(refinement.mesh, *correlation_window(measurement))[at_points.ravel()]
+    levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)
     noisy = bool(noise >= rules * floor)
     # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them.
     beside = floor if own_grid or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
-    believed = np.hypot(levels, beside)
-    spread = scatter_of_steps(measurement)
+    error, weighed = window_errors(measurement, grid, u, not believed_noise.shared_by_none)
+    believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
     boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
-    scatter = float(np.sqrt(np.mean((np.hypot(spread, beside) / believed) ** 2)))
+    scatter = float(np.sqrt(np.mean((np.hypot(np.hypot(spread, beside)[:, None], error) / believed) ** 2)))
     if information is not None:
         scatter = 1.0
         boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
@@ -166,10 +167,10 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         noisy,
         noisy and noise < floor,
         noise_uncertainty(measurement),
-        BelievedNoise.read(measurement.attrs),
+        believed_noise,
         information is None,
         own_grid,
-        window,
+        correlation_window(measurement)[0],
         cut,
         float(measurement["stretch"].values.max()),
         _thickness_of_subcells(refinement, relative_thickness(measurement)),
@@ -226,8 +227,8 @@ def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative
         np.flatnonzero(mask.ravel()),
         np.flatnonzero(~mask.ravel()),
         observed,
-        scipy.sparse.diags(1.0 / np.tile(relative, len(u))[observed]) @ seen[observed],
-        u.ravel()[observed] / np.tile(relative, len(u))[observed],
+        scipy.sparse.diags(1.0 / relative.ravel()[observed]) @ seen[observed],
+        u.ravel()[observed] / relative.ravel()[observed],
     )
 
 

@@ -20,6 +20,7 @@ from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import first_field, objective_at_end
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
+from hypernode.identification.projected_newton import projected_steps
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
 
@@ -49,7 +50,8 @@ def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate
 def of_one_material(near: Estimate) -> Estimate | None:
     """The likeliest sheet of one material for the test of a field, or None where it has no equilibrium."""
     labels = np.zeros(len(near.params), dtype=int)
-    start = _reached(near.objective, Phases(labels, medians(near.problem.mesh, near.params, labels)), near)
+    materials = medians(near.problem.mesh, near.params, labels, near.basis.lowest)
+    start = _reached(near.objective, Phases(labels, materials), near)
     return start and _with_materials(start)
 
 
@@ -66,10 +68,12 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
 
     A phase is split in two by its stiffness as long as that pays at once.
     """
-    level, _ = objective.problem.stiffness(params)
+    problem = objective.problem
+    level, _ = problem.stiffness(params)
     best, labels = None, np.zeros(len(level), dtype=int)
-    for _ in range(objective.problem.strategy.most_phases):
-        found = _at(objective, Phases(labels, medians(objective.problem.mesh, params, labels)), guesses)
+    for _ in range(problem.strategy.most_phases):
+        materials = medians(problem.mesh, params, labels, problem.basis.lowest)
+        found = _at(objective, Phases(labels, materials), guesses)
         if found is None:
             break
         found = _with_materials(found)
@@ -147,13 +151,12 @@ def _with_materials(found: Estimate) -> Estimate:
             found.params.ravel() - objective.centre
         )
         gradient, curvature = equations.columns.T @ pull, equations.matrix
-        for damping in strategy.phase_damping:
-            change = -np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), gradient)
-            if -0.5 * gradient @ change < strategy.phase_gain:
+        x, lowest = found.phases.materials.ravel(), np.tile(found.basis.lowest, len(found.phases.materials))
+        for changed, gain in projected_steps(x, gradient, curvature, lowest, np.zeros(len(x)), strategy):
+            if gain < strategy.phase_gain:
                 break
-            change *= min(1.0, strategy.largest_step / np.abs(change).max())
-            materials = found.phases.materials + change.reshape(found.phases.materials.shape)
-            trial = _reached(objective, dataclasses.replace(found.phases, materials=materials), found)
+            phases = dataclasses.replace(found.phases, materials=changed.reshape(found.phases.materials.shape))
+            trial = _reached(objective, phases, found)
             if trial is not None and cost(trial, linear) < cost(found, linear):
                 better = trial
                 break

@@ -76,11 +76,11 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
 
 def _identified(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
     """:func:`_field`, or that of two materials which an interface lies between."""
-    return in_layers(_field(measurement, settings, name, strategy), settings, name)
+    return in_layers(*_field(measurement, settings, name, strategy), settings, name)
 
 
-def _field(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
-    """The stiffness alone, then the terms of the basis.
+def _field(measurement, settings: Constrained, name: str, strategy: Strategy) -> tuple[Estimate, list[Estimate]]:
+    """The stiffness alone, then the terms of the basis: (the field that is kept, those that were tried).
 
     None follows where the stiffness leaves nothing to explain, as it does without noise where a sheet is neo-Hookean.
     Fibres are there only if a field with them is the likelier one. Where the terms leave the test ambiguous, all at
@@ -115,7 +115,7 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
     if coarse is not None:
         finer = on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
         if finer is not None:
-            return finer
+            return finer, []
         tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
         doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
@@ -130,7 +130,8 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
     if settings.further_terms and found.underfitted:
         tried = [found, *_with_further_terms([plain, *tried], settings, strategy, if_in_equilibrium)]
         found = likeliest(*tried)
-    return _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+    kept = _settled(found, tried, measurement, settings, name, from_coarse=coarse is not None)
+    return kept, [each for each in (plain, *tried) if each is not None]
 
 
 def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: Strategy, name: str, field_of) -> list:
@@ -203,7 +204,8 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
         return None
     coarse = coarsened(measurement)
     say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
-    return _field(coarse, settings, name, replace(strategy, most_subcells=0))
+    found, _ = _field(coarse, settings, name, replace(strategy, most_subcells=0))
+    return found
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:

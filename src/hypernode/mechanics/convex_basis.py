@@ -115,6 +115,11 @@ class ConvexBasis:
         return ("log_level", *(name for term in self.terms for name in PARAMETERS[term]))
 
     @property
+    def lowest(self) -> Float[np.ndarray, " parameter"]:
+        """Below which coefficients are none and have no slope; minus infinity for other parameters."""
+        return np.where(np.isin(self.names, list(LETTERS.values())), 0.0, -np.inf)
+
+    @property
     def has_fibres(self) -> bool:
         """Whether the material has a direction."""
         return "fibre" in self.terms

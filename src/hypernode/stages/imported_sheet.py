@@ -11,6 +11,9 @@ from hypernode.dic.specimen import ImportedSpecimen
 #: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
 #: of known noise scatter by as much.
 NOISE_UNCERTAINTY = 0.05
+#: Of what engines of image correlation see about the mean over their window, over what that mean changes: pyvale and
+#: al-dic with affine subsets, of three sheets at four stretches 0.20 to 0.31 (docs/decisions/0060).
+WINDOW_UNCERTAINTY = 0.25
 
 
 def variables_of(sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> dict[str, np.ndarray]:
@@ -65,6 +68,7 @@ def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.
         **{key: max(getattr(each.test, key) for each in sheet.cases) for key in FORCE_ERRORS},
         "correlation_window": specimen.correlation_window,
         "correlation_kernel": specimen.correlation_kernel,
+        "window_uncertainty": WINDOW_UNCERTAINTY,
         "frames": [each.numbers.tolist() for each in sheet.cases],
         "elastic_terms": [list(each.relaxation.terms) for each in sheet.cases],
         "pace": [each.relaxation.pace for each in sheet.cases],

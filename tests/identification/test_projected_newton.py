@@ -1,0 +1,51 @@
+"""Steps of a few numbers, some of which have a least value."""
+
+import numpy as np
+import pytest
+
+from hypernode.identification.projected_newton import projected_steps
+from hypernode.identification.settings import STRATEGY
+
+FREE = np.full(2, -np.inf)
+
+
+def first(x, gradient, curvature, lowest=FREE, floor=(0.0, 0.0)):
+    """(where the first step leads, what it should gain)."""
+    arrays = (np.asarray(each, dtype=float) for each in (x, gradient, curvature, lowest, floor))
+    return next(projected_steps(*arrays, STRATEGY))
+
+
+def test_without_bounds_the_first_step_is_newtons_and_gains_what_a_quadratic_says():
+    A, x, goal = np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([0.3, -0.2]), np.array([0.1, 0.1])
+    reached, gain = first(x, A @ (x - goal), A)
+    np.testing.assert_allclose(reached, goal)
+    assert gain == pytest.approx(0.5 * (x - goal) @ A @ (x - goal))
+
+
+def test_a_number_at_its_least_value_stays_and_the_others_go_to_their_best_beside_it():
+    A, x, goal = np.array([[2.0, 0.9], [0.9, 1.0]]), np.array([0.0, 0.4]), np.array([-0.5, 0.1])
+    gradient = A @ (x - goal)
+    assert gradient[0] > 0.0
+    reached, _ = first(x, gradient, A, lowest=[0.0, -np.inf])
+    np.testing.assert_allclose(reached, [0.0, x[1] - gradient[1] / A[1, 1]])
+
+
+def test_what_has_no_slope_at_its_least_value_holds_up_no_other_number():
+    gradient, A = np.array([5.0, 0.4]), np.diag([1e-9, 1.0])
+    held_up, _ = first([0.0, 0.0], gradient, A)
+    assert abs(held_up[1]) < 1e-6
+    reached, _ = first([0.0, 0.0], gradient, A, lowest=[0.0, -np.inf])
+    np.testing.assert_allclose(reached, [0.0, -0.4])
+
+
+def test_a_number_at_its_least_value_leaves_it_where_the_cost_falls_upwards():
+    reached, _ = first([0.0, 0.0], [-0.3, 0.0], np.eye(2), lowest=[0.0, -np.inf])
+    np.testing.assert_allclose(reached, [0.3, 0.0])
+
+
+def test_later_steps_are_shorter_or_more_damped_and_none_is_longer_than_the_largest():
+    x, gradient = np.zeros(2), np.array([-50.0, 1.0])
+    steps = [reached for reached, _ in projected_steps(x, gradient, np.eye(2), FREE, np.zeros(2), STRATEGY)]
+    lengths = np.abs(steps).max(axis=1)
+    assert lengths[0] == STRATEGY.largest_step and lengths[-1] < lengths[0]
+    assert len(steps) == STRATEGY.clipped_trials * len(STRATEGY.phase_damping)
