@@ -15,6 +15,7 @@ from hypernode.identification.layered_descent import LayeredDescent
 from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.problem import field_problem
+from hypernode.identification.settings import STRATEGY
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely
 
@@ -100,6 +101,11 @@ def of_richer_terms():
     return free_field(disc, "I1_squared", "I2")[0]
 
 
+def near(estimate):
+    """How many nodes have a distance that may change."""
+    return int((np.abs(estimate.distance) < STRATEGY.layer_reach).sum())
+
+
 def test_layers_are_found_from_coefficients_that_stand_where_they_have_no_slope(of_a_disc, of_richer_terms):
     _, found, _ = of_a_disc
     below = of_richer_terms.params.copy()
@@ -110,6 +116,10 @@ def test_layers_are_found_from_coefficients_that_stand_where_they_have_no_slope(
     assert reached.history[-1] == pytest.approx(found.history[-1], rel=0.01)
     share = reached.params[:, reached.problem.basis.names.index("share")]
     assert np.abs(share - found.params[:, found.problem.basis.names.index("share")]).mean() < 0.01
+    # A step that is left out changes nothing of them either.
+    at_none = (reached.materials[:, 1:] == 0.0).sum()
+    assert at_none > 0 and reached.columns.shape[1] + at_none == len(reached.materials.ravel()) + near(reached)
+    assert predict_left_out(reached).displacement < 1.2
 
 
 def test_two_materials_are_of_the_plainest_law_that_explains_the_test(of_a_disc, of_richer_terms):

@@ -132,7 +132,8 @@ class Estimate:
         """
         if self.phases is None:
             return self.objective.precision(curvature, self.params, self.step and self.step.deflation)
-        return MaterialEquations(curvature, self.phases, self.objective.ridge)
+        # A coefficient that is none, and would be less, answers to nothing.
+        return MaterialEquations(curvature, self.phases, self.objective.ridge, self.basis.lowest)
 
     @property
     def information_criterion(self) -> float:

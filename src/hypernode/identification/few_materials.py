@@ -104,8 +104,9 @@ class MaterialEquations(ReducedEquations):
         curvature: x -> J^T J x.
         phases: whose materials follow.
         ridge: by parameter of the cells.
+        lowest: parameters of materials that are not above it stay where they are; all follow without it.
     """
 
-    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"]):
-        columns = phases.columns
+    def __init__(self, curvature: Callable, phases: Phases, ridge: Float[np.ndarray, " parameter"], lowest=-np.inf):
+        columns = phases.columns[:, np.flatnonzero(phases.materials > lowest)]
         super().__init__(curvature, columns, columns.T @ scipy.sparse.diags(ridge) @ columns)

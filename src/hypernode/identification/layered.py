@@ -43,11 +43,12 @@ def in_layers(found: Estimate, tried: Sequence[Estimate], settings: Constrained,
 
 
 def _from_the_plainest(found: Estimate, tried: Sequence[Estimate]) -> list[Estimate]:
-    """Fields that explain a test, one of each terms, from the fewest parameters on, ``found`` for its own terms.
+    """Fields with plainer terms that explain a test, from the fewest parameters on, and ``found``.
 
     Not those that miss displacements by so much more that what interfaces cut does not account for it.
     """
-    of_terms = {each.problem.basis.terms: each for each in (*tried, found)}
-    as_well = found.problem.strategy.rival_misfit * float(found.history[-1])
-    explained = [each for each in of_terms.values() if each.unexplained <= 1.0 and each.history[-1] <= as_well]
-    return sorted(explained, key=lambda each: len(each.basis.names))
+    count, as_well = len(found.basis.names), found.problem.strategy.rival_misfit * float(found.history[-1])
+    plainer = [each for each in tried if len(each.basis.names) < count]
+    explained = [each for each in plainer if each.unexplained <= 1.0 and each.history[-1] <= as_well]
+    of_terms = {each.problem.basis.terms: each for each in explained}
+    return [*sorted(of_terms.values(), key=lambda each: len(each.basis.names)), found]

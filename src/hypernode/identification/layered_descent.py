@@ -196,6 +196,9 @@ class LayeredDescent:
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         floor = np.concatenate([0.0 * self._ridge, np.full(len(nodes), self._strategy.layer_held)])
         held = _held(self._ridge, bends) + scipy.sparse.diags(floor)
+        # A coefficient that is none, and would be less, answers to nothing.
+        above = materials.ravel() > np.tile(found.basis.lowest, len(materials))
+        answers = np.concatenate([np.flatnonzero(above), self._start.size + np.arange(len(nodes))])
         jump = objective.regulariser.between(materials, objective.jump_cost)[0, 1]
         unit = self._strategy.unit_length(problem.observations.grid.areas)
         cost = objective.misfits(states, problem.sigma, linear)
@@ -213,8 +216,8 @@ class LayeredDescent:
             free=found,
             materials=materials,
             distance=line,
-            columns=self._columns(line, nodes),
-            held=held,
+            columns=self._columns(line, nodes)[:, answers],
+            held=held[answers][:, answers],
         )
 
 

@@ -24,7 +24,8 @@ class LayeredEstimate(Estimate):
         free: the field of mixtures that it was found near.
         materials: parameters of both (2, parameter).
         distance: of every node from the line, positive where the first material is (node,).
-        columns: derivative of the flattened field by materials and distances near the line.
+        columns: derivative of the flattened field by materials, as far as they are above their least values, and by
+            distances near the line.
         held: inverse covariance of these without data.
     """
 
