@@ -66,11 +66,14 @@ def split(level: Float[np.ndarray, " cell"], labels: Int[np.ndarray, " cell"]) -
 
 
 def medians(mesh: Mesh, params, labels: Int[np.ndarray, " cell"], lowest) -> Float[np.ndarray, "phase parameter"]:
-    """Median parameters of every phase, off its contours as far as it has such cells, none below ``lowest``."""
+    """Median parameters of every phase, off its contours as far as it has such cells.
+
+    What has a ``lowest`` value, near zero, is not below zero, where it would hardly have a slope.
+    """
     inside = ~at_contours(mesh, labels)
     members = [labels == k for k in range(labels.max() + 1)]
     each = [np.median(params[m & inside if (m & inside).any() else m], axis=0) for m in members]
-    return np.maximum(each, lowest)
+    return np.where(np.isfinite(lowest), np.maximum(each, 0.0), each)
 
 
 class ReducedEquations:

@@ -55,6 +55,8 @@ TURNING = 0.004
 #: Coefficients below this size approach zero gradually. They vanish at finite parameters, not at minus
 #: infinity: logarithms stop a search that has to take a term away.
 SMALLEST = 0.005
+#: Times this below zero a coefficient is a quarter of that, and has a twentieth of its slope.
+NONE = 4.0
 #: Term -> names of its parameters and where an identification starts from.
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},
@@ -117,7 +119,7 @@ class ConvexBasis:
     @property
     def lowest(self) -> Float[np.ndarray, " parameter"]:
         """Below which coefficients are none and have no slope; minus infinity for other parameters."""
-        return np.where(np.isin(self.names, list(LETTERS.values())), 0.0, -np.inf)
+        return np.where(np.isin(self.names, list(LETTERS.values())), -NONE * SMALLEST, -np.inf)
 
     @property
     def has_fibres(self) -> bool:
