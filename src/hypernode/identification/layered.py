@@ -25,7 +25,7 @@ def in_layers(found: Estimate, tried: Sequence[Estimate], settings: Constrained,
     if not (settings.layers and may_be) or found.unexplained > 1.0:
         return found
     best = None
-    for free in _from_the_plainest(found, tried):
+    for free in _in_order(found, tried):
         descent = LayeredDescent.along(best.distance, free, name) if best else LayeredDescent.of_halves(free, name)
         reached = descent and descent.end()
         if reached is None or reached.underfitted:
@@ -42,13 +42,13 @@ def in_layers(found: Estimate, tried: Sequence[Estimate], settings: Constrained,
     return found if min(each.information_criterion for each in plainer) <= criterion else best
 
 
-def _from_the_plainest(found: Estimate, tried: Sequence[Estimate]) -> list[Estimate]:
-    """Fields with plainer terms that explain a test, from the fewest parameters on, and ``found``.
+def _in_order(found: Estimate, tried: Sequence[Estimate]) -> list[Estimate]:
+    """Fields with plainer terms that explain a test, from the fewest parameters on, ``found``, and those with others.
 
     Not those that miss displacements by so much more that what interfaces cut does not account for it.
     """
-    count, as_well = len(found.basis.names), found.problem.strategy.rival_misfit * float(found.history[-1])
-    plainer = [each for each in tried if len(each.basis.names) < count]
-    explained = [each for each in plainer if each.unexplained <= 1.0 and each.history[-1] <= as_well]
-    of_terms = {each.problem.basis.terms: each for each in explained}
-    return [*sorted(of_terms.values(), key=lambda each: len(each.basis.names)), found]
+    as_well = found.problem.strategy.rival_misfit * float(found.history[-1])
+    explained = [each for each in tried if each.unexplained <= 1.0 and each.history[-1] <= as_well]
+    of_terms = {each.problem.basis.terms: each for each in (*explained, found)}
+    count = len(found.basis.names)
+    return sorted(of_terms.values(), key=lambda each: (min(len(each.basis.names), count), each is not found))
