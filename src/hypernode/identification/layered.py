@@ -17,29 +17,31 @@ def in_layers(found: Estimate, tried: Sequence[Estimate], settings: Constrained,
     """The field of two materials and a line that explains a noisy test, if it is likelier than ``found``, or that.
 
     Two materials may need less of a law than mixtures do, which the plainest terms explain badly and richer ones by
-    what is not there. So the fields with plainer terms, ``tried``, are put in layers first.
+    what is not there. So fields with plainer terms are put in layers first.
+
+    Args:
+        tried: fields with other terms, in any order.
     """
     problem = found.problem
     observations = problem.observations
     may_be = problem.noisy and not observations.own_grid and not problem.divided and observations.by_points
     if not (settings.layers and may_be) or found.unexplained > 1.0:
         return found
-    best = None
+    # A line pays for the places that it might be at as well: noise makes the best of many look real.
+    best, places = None, float(np.log(len(problem.mesh.cells)))
     for free in _in_order(found, tried):
         descent = LayeredDescent.along(best.distance, free, name) if best else LayeredDescent.of_halves(free, name)
         reached = descent and descent.end()
         if reached is None or reached.underfitted:
             continue
-        # A line pays for the places that it might be at as well: noise makes the best of many look real.
         if best is None or reached.information_criterion < best.information_criterion:
             best = reached.after(free)
-        if not best.ambiguous and best.information_criterion < found.information_criterion:
+        if not best.ambiguous and best.information_criterion + places < found.information_criterion:
             break
     if best is None:
         return found
-    criterion = best.information_criterion + np.log(len(problem.mesh.cells))
     plainer = [each for each in (found, of_one_material(found)) if each is not None]
-    return found if min(each.information_criterion for each in plainer) <= criterion else best
+    return found if min(each.information_criterion for each in plainer) <= best.information_criterion + places else best
 
 
 def _in_order(found: Estimate, tried: Sequence[Estimate]) -> list[Estimate]:

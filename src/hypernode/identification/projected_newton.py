@@ -1,6 +1,5 @@
 """Damped Gauss-Newton steps of a few numbers, of which some have a least value (Bertsekas 1982)."""
 
-import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -29,8 +28,10 @@ def projected_steps(
     going = np.flatnonzero((x > lowest) | (gradient < 0.0))
     gradient, curvature = gradient[going], curvature[np.ix_(going, going)]
     fractions = strategy.fraction ** np.arange(strategy.clipped_trials)
-    for damping, fraction in itertools.product(strategy.phase_damping, fractions):
+    for damping in strategy.phase_damping:
         change = -np.linalg.solve(curvature + np.diag(damping * np.diag(curvature) + floor[going]), gradient)
-        changed = x.copy()
-        changed[going] += fraction * change * min(1.0, strategy.largest_step / np.abs(change).max())
-        yield np.maximum(changed, lowest), -0.5 * float(gradient @ change)
+        within = change * min(1.0, strategy.largest_step / np.abs(change).max())
+        for fraction in fractions:
+            changed = x.copy()
+            changed[going] += fraction * within
+            yield np.maximum(changed, lowest), -0.5 * float(gradient @ change)
