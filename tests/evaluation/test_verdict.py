@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
+from hypernode.data.believed_window import BelievedWindow
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.polish import score_polish
 from hypernode.evaluation.region import score_region
@@ -73,6 +74,13 @@ def test_a_good_run_passes_and_says_so_in_one_word(measurement):
     assert verdict.label == verdict.overall == "pass"
     unjudged = [each.name for each in verdict.criteria if each.level is Level.NOT_JUDGED]
     assert unjudged == ["force record"]
+
+
+def test_a_window_that_a_field_had_to_find_is_a_warning(measurement):
+    field = constrained().assign_attrs(BelievedWindow(2.4, 0.1).stored())
+    found = criterion(judged(measurement, field), "window")
+    assert found.level is Level.WARNED and "2.4 +- 0.1" in found.sentence
+    assert "window" not in {each.name for each in judged(measurement).criteria}
 
 
 def test_the_verdict_is_the_worst_criterion_and_names_what_is_to_blame(measurement):

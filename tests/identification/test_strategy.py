@@ -13,8 +13,9 @@ from pydantic import ValidationError
 from hypernode.config.methods import Constrained, Node
 from hypernode.identification.estimate import likeliest
 from hypernode.identification.gauss_newton import descend, first_field
+from hypernode.identification.plateau import Plateau
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import STRATEGY, Plateau
+from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import identify
 from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis

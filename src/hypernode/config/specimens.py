@@ -34,7 +34,8 @@ class Specimen(SpecimenTest):
     """Outermost rings of points that are dropped, since correlation windows reach over the edge there: 1 where the
     outline is cut, 0 where it is the edge of the sheet."""
     correlation_window: NonNegative = 0.0
-    """Side of the window over which the cameras' software averages the displacement [mm]; 0 where it is not known."""
+    """Side of the window over which the cameras' software averages the displacement [mm]. Where it is not stated, 0, a
+    sheet of two materials tells it, with a warning."""
     correlation_kernel: Literal["average", "quadratic"] = "average"
     """What it does over that window: average, as subsets that deform affinely do, or quadratic, the middle of a
     quadratic fit, as subsets of second order do."""

@@ -7,7 +7,9 @@ from collections.abc import Mapping
 import xarray as xr
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
+from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import is_cut_out
+from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
@@ -36,6 +38,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
+            *_window(constrained),
             _places(summary, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
@@ -50,30 +53,10 @@ def judge_run(
     )
 
 
-def _not_judged(name: str, sentence: str) -> Criterion:
-    return Criterion(name, Level.NOT_JUDGED, sentence)
-
-
-def _percent(value: float) -> str:
-    """In words; of what is wrong by more than ten times itself the digits say nothing."""
-    return "1000 % and more" if value >= 10.0 else f"{100.0 * value:.3g} %"
-
-
-def _limited(name: str, words: str, value: float, threshold: Threshold, shown=_percent) -> Criterion:
-    """A number that should be small; one that is not finite fails."""
-    value = float(value)
-    if not math.isfinite(value):
-        return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)
-    level = Level.FAILED if value > threshold.fail else Level.WARNED if value > threshold.warn else Level.PASSED
-    limit = threshold.fail if level is Level.FAILED else threshold.warn
-    compared = "no more than" if level is Level.PASSED else "more than"
-    return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value, limit)
-
-
 def _convergence(summary, explained: Criterion) -> Criterion:
     name, ending = "convergence", summary.get("ending")
     if ending is None:
-        return _not_judged(name, "The method searches for no equilibrium field.")
+        return not_judged(name, "The method searches for no equilibrium field.")
     if ending == Ending.CONVERGED:
         return Criterion(name, Level.PASSED, "The equilibrium field converged.")
     sentence = f"The equilibrium field did not converge ({ending})"
@@ -87,7 +70,7 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
     """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
     name = "displacements"
     if constrained is None:
-        return _not_judged(name, "The method computes no displacements.")
+        return not_judged(name, "The method computes no displacements.")
     observed = int(constrained.attrs["observed_displacements"])
     noisy = json.loads(constrained.attrs["noise_rules_displacements"])
     value = float(summary["displacement_misfit"])
@@ -115,45 +98,55 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
         return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
     by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
-    return _limited(name, words, value, threshold, "{:.2f}".format)
+    return limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _window(constrained) -> tuple[Criterion, ...]:
+    """That a field had to find the window which cameras see through; none where it had not to."""
+    found = None if constrained is None else BelievedWindow.read(constrained.attrs)
+    if found is None:
+        return ()
+    sentence = (
+        f"No correlation_window is stated; the field was identified as seen through one of {found.side:.3g} +- "
+        f"{found.error:.1g}, which two materials and a line tell. State that of the engine."
+    )
+    return (Criterion("window", Level.WARNED, sentence, found.side),)
 
 
 def _places(summary, settings: Settings) -> Criterion:
     name = "places"
     if "unexplained_share" not in summary:
-        return _not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
+        return not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
     words = (
         f"Displacements are missed by more than chance, up to {summary['largest_local_misfit']:.2f} times as much, in"
     )
     words = words if summary["unexplained_share"] else "Displacements are missed by more than chance in"
-    return _limited(name, words, summary["unexplained_share"], settings.places, lambda v: f"{_percent(v)} of the sheet")
+    return limited(name, words, summary["unexplained_share"], settings.places, lambda v: f"{percent(v)} of the sheet")
 
 
 def _outliers(measurement, settings: Settings) -> Criterion:
     name = "outliers"
     if "outliers" not in measurement.attrs:
-        return _not_judged(name, "The measurement does not say whether points were mistaken.")
+        return not_judged(name, "The measurement does not say whether points were mistaken.")
     sizes = measurement.sizes
     share = int(measurement.attrs["outliers"]) / (sizes["load_step"] * sizes["node"] * sizes["repeat"])
-    return _limited(name, "Points that stand alone and count as lost are", share, settings.outliers)
+    return limited(name, "Points that stand alone and count as lost are", share, settings.outliers)
 
 
 def _forces(summary, measurement, threshold: Threshold) -> Criterion:
     if measurement.attrs["forces"] == "assumed":
         sentence = "No force was recorded: every stress is known up to one factor, and its level is a convention."
         return Criterion("forces", Level.WARNED, sentence)
-    return _limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
+    return limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
 
 
 def _left_out(constrained, settings: Settings) -> Criterion:
     """Whether the largest steps are predicted from the others, displacements and forces: the worse of the two."""
     name = "prediction"
     if constrained is None:
-        return _not_judged(name, "The method predicts no load step from others.")
+        return not_judged(name, "The method predicts no load step from others.")
     if "left_out" not in constrained.attrs:
-        return _not_judged(
-            name, "No load step can be left out: there is one a load case, or nothing is left to chance."
-        )
+        return not_judged(name, "No load step can be left out: there is one a load case, or nothing is left to chance.")
     left_out = json.loads(constrained.attrs["left_out"])
     words = "Over noise and the field's spread, {} of the largest load steps, predicted from the others, are missed by"
     by_chance = settings.chance / math.sqrt(2.0 * left_out["observed"])
@@ -161,28 +154,28 @@ def _left_out(constrained, settings: Settings) -> Criterion:
     judged = [("displacements", left_out["displacement"], displacements)]
     if left_out["force"] is not None:
         judged.append(("forces", left_out["force"], settings.force))
-    found = [_limited(name, words.format(what), value, limit, "{:.2f}".format) for what, value, limit in judged]
+    found = [limited(name, words.format(what), value, limit, "{:.2f}".format) for what, value, limit in judged]
     return max(found, key=lambda each: each.level.rank)
 
 
 def _law(constrained, settings: Settings) -> Criterion:
     name = "law"
     if constrained is None:
-        return _not_judged(name, "The method does not say what its basis cannot follow.")
+        return not_judged(name, "The method does not say what its basis cannot follow.")
     misfits = json.loads(constrained.attrs["homogeneous_force_misfit"])
     # The maximum of Python's own loses what is not a number.
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
-    return _limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
+    return limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
 
 
 def _networks(summary, settings: Settings) -> Criterion:
     name = "networks"
     if "network_error" not in summary:
-        return _not_judged(name, "The method has no equilibrium field that networks learn.")
+        return not_judged(name, "The method has no equilibrium field that networks learn.")
     if summary.get("polish") == KEPT:
         return _polished(name, summary)
     words = "Networks miss the stress of the equilibrium field by"
-    return _limited(name, words, summary["network_error"], settings.networks)
+    return limited(name, words, summary["network_error"], settings.networks)
 
 
 def _polished(name: str, summary) -> Criterion:
@@ -203,15 +196,15 @@ def _equilibrium(summary, measurement, settings: Settings) -> Criterion:
     name = "equilibrium"
     if is_cut_out(measurement):
         # The gap takes the sides of the grid as free, and those of a cut carry forces that nobody knows.
-        return _not_judged(name, "The grid is cut out of a larger sheet, and the forces on its sides are not known.")
+        return not_judged(name, "The grid is cut out of a larger sheet, and the forces on its sides are not known.")
     gap = summary["equilibrium_gap_identified"]
-    return _limited(name, "The stress is out of equilibrium by", gap, settings.equilibrium)
+    return limited(name, "The stress is out of equilibrium by", gap, settings.equilibrium)
 
 
 def _force_record(measurement) -> Criterion:
     name, findings = "force record", measurement.attrs.get("force_findings")
     if findings is None:
-        return _not_judged(name, "The measurement holds no checks of a force record.")
+        return not_judged(name, "The measurement holds no checks of a force record.")
     findings = json.loads(findings)
     if not findings:
         return Criterion(name, Level.PASSED, "The checks of the force record found nothing.", 0.0, 0.0)
@@ -221,23 +214,23 @@ def _force_record(measurement) -> Criterion:
 def _spread(summary, settings: Settings) -> Criterion:
     name = "uncertainty"
     if "spread" not in summary:
-        return _not_judged(name, "There are no posterior samples.")
+        return not_judged(name, "There are no posterior samples.")
     words = "By posterior samples, and where interfaces cut cells, the stiffness is known to"
-    return _limited(name, words, summary["spread"], settings.spread)
+    return limited(name, words, summary["spread"], settings.spread)
 
 
 def _inclusion(summary) -> Criterion:
     """Whether there is one is an answer, and neither of the two is a failing."""
     name = "inclusion"
     if summary.get("inclusion", NOT_JUDGED) == NOT_JUDGED:
-        return _not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
+        return not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
     seen, needed, count = (summary[key] for key in ("contrast_seen", "contrast_needed", "phases_found"))
-    chance = f"{'noise' if needed > FLOOR else 'finite elements'} {_percent(needed)}"
+    chance = f"{'noise' if needed > FLOOR else 'finite elements'} {percent(needed)}"
     split = "they explain" if count == 2 else "a split in two explains"
-    explained = f"{split} {_percent(seen)} of the stiffness, and {chance}"
+    explained = f"{split} {percent(seen)} of the stiffness, and {chance}"
     if summary["inclusion"] == SEEN:
         sentence = f"{NUMERALS[count]} phases are distinguishable: {explained}."
     else:
-        visible = f"contrasts above {_percent(summary['detectable_contrast'])} would have been seen"
+        visible = f"contrasts above {percent(summary['detectable_contrast'])} would have been seen"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

@@ -10,7 +10,8 @@ from jaxtyping import Float
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.solver import EquilibriumSolver
-from hypernode.identification.observations import Boundary, Observations
+from hypernode.identification.boundary import Boundary
+from hypernode.identification.observations import Observations
 from hypernode.identification.settings import Strategy
 from hypernode.mechanics.loads import Load
 from hypernode.mechanics.point_law import PointLaw

@@ -9,9 +9,9 @@ from hypernode.errors import ExpectedError
 from hypernode.fem.transfer import transfer
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
+from hypernode.identification.plateau import Plateau
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
-from hypernode.identification.settings import Plateau
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending

@@ -7,7 +7,7 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.data.believed_noise import BelievedNoise
-from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
+from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.information import Information, information_of
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
@@ -27,38 +27,10 @@ from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGES, Mesh
 from hypernode.fem.refinement import Refinement, refine
 from hypernode.fem.transfer import transfer
+from hypernode.identification.boundary import ROUNDING, Boundary, boundary_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
 from hypernode.identification.window_error import window_errors
-
-#: Of weights that sum to one.
-ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """Prescribed, free and observed degrees of freedom of one load step.
-
-    Attributes:
-        mask: which components of which nodes are prescribed (node, 2), on the mesh of the subcells.
-        values: their displacement (node, 2).
-        errors: errors of these values (degree of freedom, independent standard normal number); none but edges have any.
-        prescribed, free: their degrees of freedom, and all others.
-        observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
-            without points between, those of the mesh that carries their information.
-        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
-            what it saw of them, both over the error of that point and component relative to that of all. Of pictures
-            as independent numbers, as many as are observed.
-    """
-
-    mask: np.ndarray
-    values: np.ndarray
-    errors: scipy.sparse.csr_matrix
-    prescribed: np.ndarray
-    free: np.ndarray
-    observed: np.ndarray
-    observe: scipy.sparse.csr_matrix
-    seen: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -80,6 +52,7 @@ class Observations:
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
         window: side of the camera's correlation window, 0 without one.
+        believed_window: that window, where an identification found it and the measurement states none.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
         relative_thickness: of every subcell.
@@ -99,6 +72,7 @@ class Observations:
     by_points: bool
     own_grid: bool
     window: float
+    believed_window: BelievedWindow | None
     cut: bool
     largest_stretch: float
     relative_thickness: Float[np.ndarray, " subcell"]
@@ -141,8 +115,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     cut = is_cut_out(measurement)
     prescribed = (measurement["edge_constrained"].values > 0) | cut
-    at_points = 2 * refinement.nodes[:, None] + np.arange(2)
-    seen = window_average(refinement.mesh, *correlation_window(measurement))[at_points.ravel()]
+    seen = seen_points(refinement, *correlation_window(measurement))
     levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)
     noisy = bool(noise >= rules * floor)
     # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them.
@@ -152,7 +125,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
-    boundaries = [_boundary(refinement, grid, *step, seen) for step in each]
+    boundaries = [boundary_of(refinement, grid, *step, seen) for step in each]
     scatter = float(np.sqrt(np.mean((np.hypot(np.hypot(spread, beside)[:, None], error) / believed) ** 2)))
     if information is not None:
         scatter = 1.0
@@ -171,11 +144,18 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
         information is None,
         own_grid,
         correlation_window(measurement)[0],
+        BelievedWindow.read(measurement.attrs),
         cut,
         float(measurement["stretch"].values.max()),
         _thickness_of_subcells(refinement, relative_thickness(measurement)),
         tuple(boundaries),
     )
+
+
+def seen_points(refinement: Refinement, width: float, kernel: str) -> scipy.sparse.csr_matrix:
+    """Matrix from displacements of the mesh, flattened, to what is seen of the measured grid's through a window."""
+    at_points = 2 * refinement.nodes[:, None] + np.arange(2)
+    return window_average(refinement.mesh, width, kernel)[at_points.ravel()]
 
 
 def _thickness_of_subcells(refinement: Refinement, thickness: Float[np.ndarray, " cell"]):
@@ -208,42 +188,7 @@ def _by_grey_levels(
         on = [grid.on_edge(edge) for edge, held in zip(EDGES, prescribed[step], strict=True) if held.any()]
         told = of_grid @ np.any([np.zeros(len(grid.nodes), bool), *on], axis=0) > ROUNDING
         root, seen, observed = information.root(step, ~told[information.mesh.cells].any(axis=1))
-        changed.append(replace(boundary, observed=observed, observe=unit * (root @ onto), seen=unit * seen))
+        changed.append(
+            replace(boundary, observed=observed, observe=unit * (root @ onto), seen=unit * seen, relative=np.empty(0))
+        )
     return changed
-
-
-def _boundary(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:
-    edges = _kept_from_drifting(grid, u, prescribed_displacement(grid, u, prescribed, noise), noise)
-    between = refinement.interpolation
-    both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
-    mask = edges.mask
-    observed = np.flatnonzero(~mask.ravel() & np.isfinite(u.ravel()))
-    # A node between two that are prescribed is prescribed as well.
-    mask = between @ mask > 1.0 - ROUNDING
-    return Boundary(
-        mask,
-        between @ edges.values,
-        both @ scipy.sparse.csr_matrix(edges.errors),
-        np.flatnonzero(mask.ravel()),
-        np.flatnonzero(~mask.ravel()),
-        observed,
-        scipy.sparse.diags(1.0 / relative.ravel()[observed]) @ seen[observed],
-        u.ravel()[observed] / relative.ravel()[observed],
-    )
-
-
-def _kept_from_drifting(grid: Mesh, u, edges: PrescribedDisplacement, noise) -> PrescribedDisplacement:
-    """The same with one point prescribed in each component that no edge prescribes, the measured one next to a corner.
-
-    The sheet as a whole is then off by the noise of that point, which is an error like those of edges.
-    """
-    mask, values, errors = edges.mask.copy(), edges.values.copy(), edges.errors
-    distance = np.where(np.isfinite(u).all(axis=1), np.abs(grid.nodes - grid.lower).sum(axis=1), np.inf)
-    point = int(np.argmin(distance))
-    for i in np.flatnonzero(~mask.any(axis=0)):
-        mask[point, i], values[point, i] = True, u[point, i]
-        if noise[i] > 0.0:
-            own = np.zeros((u.size, 1))
-            own[2 * point + i] = noise[i]
-            errors = np.concatenate([errors, own], axis=1)
-    return PrescribedDisplacement(mask, values, errors)

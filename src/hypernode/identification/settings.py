@@ -6,27 +6,7 @@ what is here follows from the mathematics, from finite-element errors, or from w
 
 from dataclasses import dataclass, field
 
-
-@dataclass(frozen=True)
-class Plateau:
-    """Where a descent ends early because other terms follow: its misfit hardly falls any more.
-
-    Attributes:
-        share, iterations: less than this share of the misfit in this many iterations, beyond the convex start.
-        above: misfit below which it goes on regardless.
-        left: share of the cost that misfits have, below which it goes on as well.
-    """
-
-    share: float
-    iterations: int
-    above: float = 0.0
-    left: float = 0.0
-
-    def reached(self, history, data_share: float, convex_iterations: int) -> bool:
-        """Whether the last misfit lies on it, which has that share of the cost."""
-        if len(history) <= convex_iterations + self.iterations or data_share < self.left:
-            return False
-        return history[-1] > max(self.above, (1.0 - self.share) * history[-1 - self.iterations])
+from hypernode.identification.plateau import Plateau
 
 
 @dataclass(frozen=True)
@@ -196,6 +176,18 @@ class Strategy:
     #: Inverse variance of what a step changes of distances without data. Regions of fewer nodes than a cell's are none.
     layer_held: float = 3.0
     layer_fewest: int = 4
+
+    #: A window that nobody stated, in steps of the grid: where its side begins, as of subsets that overlap by half;
+    #: what is none; half of a difference for its derivative. Its largest share of a sheet; how often it changes at
+    #: most; by which share of itself it still changes where it is settled: windows of engines are known no better.
+    window_start: float = 2.0
+    window_seen: float = 0.5
+    window_difference: float = 0.05
+    window_longest: float = 0.25
+    window_rounds: int = 5
+    window_settled: float = 0.05
+    #: Side over its standard deviation from which it is certain that there is one.
+    window_certain: float = 3.0
 
     #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
     #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.

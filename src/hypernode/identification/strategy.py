@@ -35,6 +35,7 @@ from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.subcells import rivals, subdivided
+from hypernode.identification.unstated_window import unstated_window
 from hypernode.progress import say
 from hypernode.verdict import Ending
 
@@ -42,6 +43,7 @@ from hypernode.verdict import Ending
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
     """The material field that explains a measurement, or comes nearest to it; see :func:`_field`.
 
+    Where two materials tell a window that the measurement does not state, a field is identified with that.
     Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
     deformation: then each counts as an independent one. Where the field shows that noise is of another size than
     believed, a field is identified with that. Where noise does not explain what may as well be the error of finite
@@ -56,6 +58,10 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         IdentificationError: no equilibrium at the homogeneous start.
     """
     found = _identified(measurement, settings, name, strategy)
+    window = unstated_window(found, measurement, settings, name)
+    if window is not None:
+        measurement = window.of(measurement)
+        found = _identified(measurement, settings, name, strategy)
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")

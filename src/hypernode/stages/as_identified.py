@@ -6,6 +6,7 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise
+from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import displacement_noise
 from hypernode.errors import ExpectedError
 from hypernode.identification.problem import FieldProblem, problem_of_basis
@@ -22,7 +23,7 @@ class OtherUncertainty(ExpectedError, ValueError):
 def problem_as_identified(
     measurement, field, settings: Constrained, law: PointLaw, subcells: int
 ) -> tuple[FieldProblem, object]:
-    """(the problem with the noise model that a field was identified with, the measurement as it was then taken).
+    """(the problem with the noise and the window that a field was identified with, the measurement as it was taken).
 
     Args:
         measurement, field: opened files, the field that of the measurement.
@@ -34,7 +35,8 @@ def problem_as_identified(
         OtherUncertainty: no noise model of the measurement is that of the field.
     """
     sigma, noisy = float(field.attrs["displacement_sigma"]), json.loads(field.attrs["noise_rules_displacements"])
-    taken = BelievedNoise.read(field.attrs).of(measurement)
+    window = BelievedWindow.read(field.attrs)
+    taken = BelievedNoise.read(field.attrs).of(measurement if window is None else window.of(measurement))
     # Where noise rules, the error of finite elements is known from the grid.
     floor = None if noisy else float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
     problem = problem_of_basis(taken, settings, law, subcells, floor=floor)

@@ -29,6 +29,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     measurement = read(measurement_file)
     found = identify(without_truth(measurement), settings, name)
     problem, history, refinement = found.problem, found.history, found.problem.refinement
+    window = problem.observations.believed_window
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
     variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
@@ -58,6 +59,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
             **problem.observations.believed_noise.stored(),
+            **({} if window is None else window.stored()),
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
             "materials": found.material_count,

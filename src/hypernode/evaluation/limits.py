@@ -1,0 +1,27 @@
+"""How a number is judged by a threshold."""
+
+import math
+
+from hypernode.evaluation.thresholds import Threshold
+from hypernode.verdict import Criterion, Level
+
+
+def not_judged(name: str, sentence: str) -> Criterion:
+    """One that says nothing, and why."""
+    return Criterion(name, Level.NOT_JUDGED, sentence)
+
+
+def percent(value: float) -> str:
+    """In words; of what is wrong by more than ten times itself the digits say nothing."""
+    return "1000 % and more" if value >= 10.0 else f"{100.0 * value:.3g} %"
+
+
+def limited(name: str, words: str, value: float, threshold: Threshold, shown=percent) -> Criterion:
+    """A number that should be small; one that is not finite fails."""
+    value = float(value)
+    if not math.isfinite(value):
+        return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)
+    level = Level.FAILED if value > threshold.fail else Level.WARNED if value > threshold.warn else Level.PASSED
+    limit = threshold.fail if level is Level.FAILED else threshold.warn
+    compared = "no more than" if level is Level.PASSED else "more than"
+    return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value, limit)

@@ -1,0 +1,89 @@
+"""What is prescribed, free and observed of a sheet in one load step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+
+from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
+from hypernode.fem.mesh import Mesh
+from hypernode.fem.refinement import Refinement
+
+#: Of weights that sum to one.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """Prescribed, free and observed degrees of freedom of one load step.
+
+    Attributes:
+        mask: which components of which nodes are prescribed (node, 2), on the mesh of the subcells.
+        values: their displacement (node, 2).
+        errors: errors of these values (degree of freedom, independent standard normal number); none but edges have any.
+        prescribed, free: their degrees of freedom, and all others.
+        observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
+            without points between, those of the mesh that carries their information.
+        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
+            what it saw of them, both over the error of that point and component relative to that of all. Of pictures
+            as independent numbers, as many as are observed.
+        relative: that error, of every observed degree of freedom; none of pictures without points.
+    """
+
+    mask: np.ndarray
+    values: np.ndarray
+    errors: scipy.sparse.csr_matrix
+    prescribed: np.ndarray
+    free: np.ndarray
+    observed: np.ndarray
+    observe: scipy.sparse.csr_matrix
+    seen: np.ndarray
+    relative: np.ndarray
+
+
+def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:
+    """That of a load step.
+
+    Args:
+        u: measured displacement (node, 2), NaN where it was lost.
+        prescribed: which components of which edges are (edge, 2).
+        noise: standard deviation of prescribed points, by component.
+        relative: error of every point and component over that of all (node, 2).
+        seen: matrix from displacements of the mesh to what the camera sees of all points of the grid.
+    """
+    edges = _kept_from_drifting(grid, u, prescribed_displacement(grid, u, prescribed, noise), noise)
+    between = refinement.interpolation
+    both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
+    mask = edges.mask
+    observed = np.flatnonzero(~mask.ravel() & np.isfinite(u.ravel()))
+    relative = relative.ravel()[observed]
+    # A node between two that are prescribed is prescribed as well.
+    mask = between @ mask > 1.0 - ROUNDING
+    return Boundary(
+        mask,
+        between @ edges.values,
+        both @ scipy.sparse.csr_matrix(edges.errors),
+        np.flatnonzero(mask.ravel()),
+        np.flatnonzero(~mask.ravel()),
+        observed,
+        scipy.sparse.diags(1.0 / relative) @ seen[observed],
+        u.ravel()[observed] / relative,
+        relative,
+    )
+
+
+def _kept_from_drifting(grid: Mesh, u, edges: PrescribedDisplacement, noise) -> PrescribedDisplacement:
+    """The same with one point prescribed in each component that no edge prescribes, the measured one next to a corner.
+
+    The sheet as a whole is then off by the noise of that point, which is an error like those of edges.
+    """
+    mask, values, errors = edges.mask.copy(), edges.values.copy(), edges.errors
+    distance = np.where(np.isfinite(u).all(axis=1), np.abs(grid.nodes - grid.lower).sum(axis=1), np.inf)
+    point = int(np.argmin(distance))
+    for i in np.flatnonzero(~mask.any(axis=0)):
+        mask[point, i], values[point, i] = True, u[point, i]
+        if noise[i] > 0.0:
+            own = np.zeros((u.size, 1))
+            own[2 * point + i] = noise[i]
+            errors = np.concatenate([errors, own], axis=1)
+    return PrescribedDisplacement(mask, values, errors)
