@@ -8,6 +8,7 @@ from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import correlation_window, window_uncertainty
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.problem import field_problem
+from hypernode.identification.strategy import identify
 from hypernode.identification.unstated_window import unstated_window
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely
@@ -51,6 +52,20 @@ def test_points_that_are_exact_and_a_window_that_is_stated_are_believed(through_
     stated = field_problem(data.assign_attrs(correlation_window=WINDOW), SETTINGS)
     known = descend(stated, SETTINGS, "sheet", None, (), SETTINGS.tolerance)
     assert unstated_window(known, data, SETTINGS, "sheet") is None
+
+
+@pytest.mark.slow
+def test_a_field_is_identified_through_the_window_that_it_tells(through_a_window):
+    data, _ = through_a_window
+    found = identify(data, SETTINGS, "sheet")
+    blind = identify(data.assign_attrs(window_uncertainty=0.0), SETTINGS, "sheet")
+    assert found.layered and found.problem.observations.believed_window is not None
+
+    def error(each):
+        stiff, soft = np.exp(each.by_parts[0]).mean(axis=0).max(), np.exp(each.by_parts[0]).mean(axis=0).min()
+        return abs(stiff / soft / 2.0 - 1.0)
+
+    assert error(found) < 0.03 and error(found) < 0.5 * error(blind)
 
 
 @pytest.mark.slow

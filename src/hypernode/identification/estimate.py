@@ -139,7 +139,7 @@ class Estimate:
     def information_criterion(self) -> float:
         """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
 
-        That is half the logarithm of the determinant of the covariance of residuals, by their uncertainties and by the
+        That is half the logarithm of the determinant of the covariance of residuals, by their uncertainty and by the
         errors that they share; what a parameter of the terms costs that is one for all of the sheet, half the
         logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978); and one for each number
         that the data determine: by half of that a field fits their noise, and by half it misses other data with it
@@ -147,8 +147,7 @@ class Estimate:
         """
         shared = 0.0 if self.linear is None else self.linear.log_determinant
         number, data = len(self.basis.names), max(self.problem.observed, 1)
-        weights = sum(float(np.log(step.relative).sum()) for step in self.problem.observations.boundaries)
-        independent = data * float(np.log(self.problem.sigma)) + weights
+        independent = data * float(np.log(self.problem.sigma))
         return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data)) + self.effective_parameters
 
     @property

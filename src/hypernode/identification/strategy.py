@@ -60,8 +60,9 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     found = _identified(measurement, settings, name, strategy)
     window = unstated_window(found, measurement, settings, name)
     if window is not None:
-        measurement = window.of(measurement)
-        found = _identified(measurement, settings, name, strategy)
+        behind = _identified(window.of(measurement), settings, name, strategy)
+        if behind.layered and not behind.underfitted:
+            measurement, found = window.of(measurement), behind
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
