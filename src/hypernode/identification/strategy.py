@@ -19,6 +19,7 @@ from dataclasses import replace
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.coarsening import coarsened
+from hypernode.identification.certain_phases import of_certain_phases
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend, described
@@ -31,7 +32,7 @@ from hypernode.identification.other_minima import (
     without_stray_cells,
 )
 from hypernode.identification.phases import in_phases, on_finer_grid
-from hypernode.identification.problem import field_problem
+from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.subcells import rivals, subdivided
@@ -116,7 +117,7 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         finer = on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
         if finer is not None:
             return finer, []
-        tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
+        tried = [_on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
         doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
         if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
@@ -147,8 +148,20 @@ def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: 
         tried += field_of(settings.isotropic_terms, plain, strategy.isotropic_plateaus)
     if not any(each.complete for each in tried):
         tried = field_of(settings.terms, plain, further) + tried
-    tried = [_as_one_law(each, settings, name) for each in tried or [plain]]
+    tried = tried or [plain]
+    # Without noise, forces of a field that explains the test leave the law of another one no doubt.
+    if plain.problem.noisy or likeliest(*tried).ambiguous:
+        tried = [_as_one_law(each, settings, name) for each in tried]
     return tried + field_of(settings.terms, None, further) if likeliest(*tried).ambiguous else tried
+
+
+def _on_finer_grid(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> Estimate:
+    """The field that a descent from that of a coarser grid ends at, or from phases near by whose cells are settled."""
+    near = of_certain_phases(problem, settings, coarse, name)
+    if near is None:
+        return descend(problem, settings, name, coarse, (), settings.tolerance).after(coarse)
+    loose = replace(problem.strategy, cg_tolerance=3 * problem.strategy.cg_tolerance[2:])
+    return descend(problem.with_strategy(loose), settings, name, near, (), settings.tolerance).after(near, coarse)
 
 
 def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:

@@ -1,0 +1,185 @@
+"""Where a descent on a grid of many cells begins without noise if the sheet is of a few materials.
+
+A coarser grid tells the materials, and which of them most cells have. Open are the cells near its interfaces, and of
+these data without noise tell every single one. So each gets a share of the phases near it: one number a cell near an
+interface, where a free field has all parameters in every cell, and hardly any valleys between them, since the materials
+are eliminated from every system. Two or three Gauss-Newton steps tell the labels; then the materials follow alone.
+
+The descent from there is short. It is of a free field, as without a coarser grid: nothing else depends on phases.
+"""
+
+import dataclasses
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.deflated_cg import DeflatedCG
+from hypernode.identification.estimate import Estimate
+from hypernode.identification.few_materials import Phases
+from hypernode.identification.gauss_newton import first_field, objective_at_end
+from hypernode.identification.objective import Objective
+from hypernode.identification.problem import FieldProblem
+from hypernode.identification.sensitivities import Jacobian
+from hypernode.identification.shares import Shares, left_open
+from hypernode.progress import say
+from hypernode.verdict import Ending
+
+
+def of_certain_phases(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> Estimate | None:
+    """A field of a few phases near that of a coarser grid, whose cells have found their labels.
+
+    None where there is noise, where interfaces cut cells, or where no few phases come near the test.
+
+    Args:
+        problem: the finer grid, with the terms of the coarse field.
+        settings: configuration of the stage.
+        coarse: the field of the coarser grid.
+        name: case, for progress.
+    """
+    if not problem.certain:
+        return None
+    params, centre, guesses = first_field(problem, coarse)
+    mixed = left_open(problem, params, coarse, settings.jump_scale)
+    if mixed is None:
+        return None
+    objective = objective_at_end(problem, settings, centre)
+    found = _labelled(objective, mixed, guesses)
+    found = found and _with_materials(objective, *found, settings.tolerance * problem.cost_of_noise)
+    if found is None:
+        return None
+    params, states = found[0].params, found[1]
+    cost, misfit = objective.value(params, states, problem.sigma, None), objective.misfit(states, None)
+    reached = Estimate(objective, None, params, states, np.array([misfit]), cost, Ending.UNFINISHED, None)
+    say(
+        "constrained field", name, f"{len(found[0].materials)} phases near those of the coarser grid: {reached.summary}"
+    )
+    return reached if misfit <= problem.strategy.unexplained else None
+
+
+def _labelled(objective: Objective, mixed: Shares, guesses) -> tuple[Phases, list] | None:
+    """The phases that cells have most of once that changes no more, and states near by; None where it goes on.
+
+    Displacements are weighted by the larger of their uncertainty and their present misfit, as in a descent.
+    """
+    problem = objective.problem
+    states, deflation, linear = problem.equilibrium.states(mixed.params, guesses), None, None
+    for _ in range(problem.strategy.phase_rounds):
+        if states is None:
+            return None
+        sigma = problem.sigma * max(1.0, objective.misfit(states, None))
+        # The factors of the last linearisation make room for those of this one.
+        linear = None
+        linear = problem.linearise(mixed.params, states, sigma)
+        direction, deflation = _direction(objective, mixed, states, linear, deflation)
+        before, labels = objective.misfits(states, sigma, linear), mixed.most.labels
+        for fraction in problem.strategy.fraction ** np.arange(problem.strategy.scaled_trials):
+            materials, share = (fraction * each for each in direction)
+            trial = mixed.changed(mixed.phases.materials + materials, mixed.share + share)
+            reached = _states(problem, trial.params, states, linear)
+            if reached is not None and objective.misfits(reached, sigma, linear) < before:
+                mixed, states = trial, reached
+                break
+        else:
+            return None
+        if np.array_equal(mixed.most.labels, labels):
+            return mixed.most, states
+    return None
+
+
+def _states(problem: FieldProblem, params, states, linear: Jacobian):
+    """Equilibrium at other parameters, from states near by and their factors."""
+    factors = [step.factor for step in linear.steps]
+    return problem.equilibrium.states(params, [state.u for state in states], factors)
+
+
+def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, deflation):
+    """((change of the materials, change of the shares), what the next system learns) of a Gauss-Newton step."""
+    strategy, materials = objective.strategy, mixed.phases.materials
+    by_materials, by_shares = mixed.by_materials, mixed.by_shares
+    pull = objective.misfit_gradient(states, linear) + objective.ridge * (mixed.params.ravel() - objective.centre)
+    answer = linear.curvature(by_materials.toarray())
+    held = by_materials.T @ scipy.sparse.diags(objective.ridge) @ by_materials
+    own, crossed = by_materials.T @ answer + held.toarray(), by_shares.T @ answer
+    followed = np.linalg.solve(own, crossed.T)
+    of_materials, of_shares = by_materials.T @ pull, by_shares.T @ pull
+    free = mixed.free(of_shares)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], len(free))
+    typical = float(np.mean(signs * (by_shares.T @ linear.curvature(by_shares @ signs))))
+
+    def product(x):
+        """The curvature by the free shares, whose materials follow; the others are left alone."""
+        some = (free * x.T).T
+        change = by_shares.T @ linear.curvature(by_shares @ some) - crossed @ (followed @ some)
+        return np.where(free, change.T, typical * x.T).T
+
+    metric = typical * scipy.sparse.identity(len(free), format="csc")
+    solver = DeflatedCG(product, metric, strategy.deflated_directions, deflation)
+    downhill = np.where(free, followed.T @ of_materials - of_shares, 0.0)
+    solved = solver.solve(downhill, strategy.cg_tolerance[1], strategy.cg_iterations[0])
+    follow = -np.linalg.solve(own, of_materials + crossed.T @ solved.x)
+    follow = np.clip(follow, -strategy.largest_step, strategy.largest_step)
+    return (follow.reshape(materials.shape), solved.x), solved.deflation
+
+
+def _with_materials(objective: Objective, phases: Phases, guesses, least: float) -> tuple[Phases, list] | None:
+    """The likeliest materials of phases, and their states, by steps of Levenberg and Marquardt; None without such.
+
+    Coefficients are curved functions of their parameters near zero, so that valleys are, and how much damping a step
+    needs is remembered for the next.
+
+    Args:
+        least: what a step must gain.
+    """
+    problem, strategy, shape = objective.problem, objective.strategy, phases.materials.shape
+    columns, lowest = phases.columns, np.tile(problem.basis.lowest, shape[0])
+    ridge, centre = columns.T @ objective.ridge, np.tile(objective.centre[: shape[1]], shape[0])
+    states = problem.equilibrium.states(phases.params, [state.u for state in guesses])
+    damping, linear = strategy.phase_damping[1], None
+    for _ in range(strategy.phase_steps):
+        if states is None:
+            return None
+        linear = None
+        linear = problem.linearise(phases.params, states, problem.sigma)
+        x = phases.materials.ravel()
+        cost = _cost(objective, x, states, linear, ridge, centre)
+        answer = linear.product(columns.toarray())
+        gradient = answer.T @ np.concatenate(objective.residuals(states, linear.sigma, linear)) + ridge * (x - centre)
+        curvature = answer.T @ answer + np.diag(ridge)
+        for _ in range(len(strategy.phase_damping)):
+            changed, gain = _damped(x, gradient, curvature, lowest, damping, strategy)
+            trial = dataclasses.replace(phases, materials=changed.reshape(shape))
+            reached = _states(problem, trial.params, states, linear)
+            after = np.inf if reached is None else _cost(objective, changed, reached, linear, ridge, centre)
+            if after < cost:
+                break
+            damping *= strategy.material_damping[2]
+        else:
+            return phases, states
+        phases, states = trial, reached
+        if cost - after < least:
+            break
+        short = cost - after < strategy.short_step * gain
+        damping *= strategy.material_damping[int(short)]
+    return phases, states
+
+
+def _cost(objective: Objective, x, states, linear: Jacobian, ridge, centre) -> float:
+    return objective.misfits(states, linear.sigma, linear) + 0.5 * float(ridge @ (x - centre) ** 2)
+
+
+def _damped(x, gradient, curvature, lowest, damping: float, strategy) -> tuple[Float[np.ndarray, " number"], float]:
+    """(where a damped step leads, what it should gain); numbers that would go beyond where they may stop there."""
+    least, most = np.maximum(lowest - x, -strategy.largest_step), np.full(len(x), strategy.largest_step)
+    matrix = curvature + damping * np.diag(np.diag(curvature))
+    change, going = np.zeros_like(x), np.ones(len(x), dtype=bool)
+    while going.any():
+        pull = gradient[going] + matrix[np.ix_(going, ~going)] @ change[~going]
+        change[going] = -np.linalg.solve(matrix[np.ix_(going, going)], pull)
+        beyond = going & ((change < least) | (change > most))
+        if not beyond.any():
+            break
+        change[beyond] = np.clip(change, least, most)[beyond]
+        going &= ~beyond
+    return x + change, -float(gradient @ change + 0.5 * change @ curvature @ change)
