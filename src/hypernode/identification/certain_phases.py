@@ -45,17 +45,13 @@ def of_certain_phases(problem: FieldProblem, settings: Constrained, coarse: Esti
     if mixed is None:
         return None
     objective = objective_at_end(problem, settings, centre)
-    found = _labelled(objective, mixed, guesses)
-    found = found and _with_materials(objective, *found, settings.tolerance * problem.cost_of_noise)
+    labelled = _labelled(objective, mixed, guesses)
+    found = labelled and _with_materials(objective, *labelled, settings)
     if found is None:
         return None
-    params, states = found[0].params, found[1]
-    cost, misfit = objective.value(params, states, problem.sigma, None), objective.misfit(states, None)
-    reached = Estimate(objective, None, params, states, np.array([misfit]), cost, Ending.UNFINISHED, None)
-    say(
-        "constrained field", name, f"{len(found[0].materials)} phases near those of the coarser grid: {reached.summary}"
-    )
-    return reached if misfit <= problem.strategy.unexplained else None
+    words = f"{found.material_count} phases near those of the coarser grid, {found.ending}"
+    say("constrained field", name, f"{words}: {found.summary}")
+    return found.after(coarse)
 
 
 def _labelled(objective: Objective, mixed: Shares, guesses) -> tuple[Phases, list] | None:
@@ -123,30 +119,34 @@ def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, de
     return (follow.reshape(materials.shape), solved.x), solved.deflation
 
 
-def _with_materials(objective: Objective, phases: Phases, guesses, least: float) -> tuple[Phases, list] | None:
-    """The likeliest materials of phases, and their states, by steps of Levenberg and Marquardt; None without such.
+def _with_materials(objective: Objective, phases: Phases, guesses, settings: Constrained) -> Estimate | None:
+    """The likeliest materials of phases, by steps of Levenberg and Marquardt; None where there is no equilibrium.
 
     Coefficients are curved functions of their parameters near zero, so that valleys are, and how much damping a step
     needs is remembered for the next.
-
-    Args:
-        least: what a step must gain.
     """
     problem, strategy, shape = objective.problem, objective.strategy, phases.materials.shape
-    columns, lowest = phases.columns, np.tile(problem.basis.lowest, shape[0])
-    ridge, centre = columns.T @ objective.ridge, np.tile(objective.centre[: shape[1]], shape[0])
+    columns, lowest = phases.columns.toarray(), np.tile(problem.basis.lowest, shape[0])
+    # Of a material there is one, however many cells it has.
+    ridge, centre = (np.tile(each[: shape[1]], shape[0]) for each in (objective.ridge, objective.centre))
     states = problem.equilibrium.states(phases.params, [state.u for state in guesses])
-    damping, linear = strategy.phase_damping[1], None
-    for _ in range(strategy.phase_steps):
-        if states is None:
-            return None
+    if states is None:
+        return None
+    damping, linear, history, gained = strategy.phase_damping[1], None, [], [np.inf, np.inf]
+    least, ending = settings.tolerance * problem.cost_of_noise, Ending.OUT_OF_ITERATIONS
+    for _ in range(settings.iterations):
         linear = None
         linear = problem.linearise(phases.params, states, problem.sigma)
+        history.append(objective.misfit(states, linear))
         x = phases.materials.ravel()
         cost = _cost(objective, x, states, linear, ridge, centre)
-        answer = linear.product(columns.toarray())
+        answer = linear.product(columns)
         gradient = answer.T @ np.concatenate(objective.residuals(states, linear.sigma, linear)) + ridge * (x - centre)
         curvature = answer.T @ answer + np.diag(ridge)
+        # Along a curved valley a step may gain little, and the next one much.
+        if _damped(x, gradient, curvature, lowest, 0.0, strategy)[1] < least or sum(gained[-2:]) < least:
+            ending = Ending.CONVERGED
+            break
         for _ in range(len(strategy.phase_damping)):
             changed, gain = _damped(x, gradient, curvature, lowest, damping, strategy)
             trial = dataclasses.replace(phases, materials=changed.reshape(shape))
@@ -156,13 +156,13 @@ def _with_materials(objective: Objective, phases: Phases, guesses, least: float)
                 break
             damping *= strategy.material_damping[2]
         else:
-            return phases, states
-        phases, states = trial, reached
-        if cost - after < least:
+            ending = Ending.STAGNATED
             break
-        short = cost - after < strategy.short_step * gain
-        damping *= strategy.material_damping[int(short)]
-    return phases, states
+        phases, states = trial, reached
+        gained.append(cost - after)
+        damping *= strategy.material_damping[int(gained[-1] < strategy.short_step * gain)]
+    cost = objective.value(phases.params, states, problem.sigma, linear)
+    return Estimate(objective, linear, phases.params, states, np.array(history), cost, ending, None, phases)
 
 
 def _cost(objective: Objective, x, states, linear: Jacobian, ridge, centre) -> float:

@@ -206,7 +206,7 @@ class Strategy:
     most_subcells: int = 16000
     subcells_iterations: int = 24
     rival_misfit: float = 1.5
-    #: Misfit over the error of the description below which that was assumed too large. It is then taken from the misfit,
+    #: Misfit over the error of the description below which that was assumed too large. It is then that of the misfit,
     #: but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
     smallest_reestimate: float = 0.25

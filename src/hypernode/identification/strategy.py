@@ -114,10 +114,10 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         # A coarse grid has the forces of the finer one.
         check_forces(problem_of, settings, name)
     if coarse is not None:
-        finer = on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
-        if finer is not None:
+        finer, kept = _on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
+        if kept:
             return finer, []
-        tried = [_on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)]
+        tried = [finer]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
         doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
         if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
@@ -155,13 +155,22 @@ def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: 
     return tried + field_of(settings.terms, None, further) if likeliest(*tried).ambiguous else tried
 
 
-def _on_finer_grid(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> Estimate:
-    """The field that a descent from that of a coarser grid ends at, or from phases near by whose cells are settled."""
+def _on_finer_grid(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> tuple[Estimate, bool]:
+    """The field of a finer grid that begins from a coarser one's, and whether it is of phases, which are kept.
+
+    Phases are where they explain the test with all terms that there are, or leave others nothing to explain.
+    """
+    finer = on_finer_grid(problem, settings, coarse, name)
+    if finer is not None:
+        return finer, True
     near = of_certain_phases(problem, settings, coarse, name)
     if near is None:
-        return descend(problem, settings, name, coarse, (), settings.tolerance).after(coarse)
+        return descend(problem, settings, name, coarse, (), settings.tolerance).after(coarse), False
+    if not near.ambiguous and (near.complete or set(settings.terms) <= set(problem.basis.terms)):
+        return near, True
     loose = replace(problem.strategy, cg_tolerance=3 * problem.strategy.cg_tolerance[2:])
-    return descend(problem.with_strategy(loose), settings, name, near, (), settings.tolerance).after(near, coarse)
+    near = replace(near, linear=None, phases=None)
+    return descend(problem.with_strategy(loose), settings, name, near, (), settings.tolerance).after(near), False
 
 
 def _as_one_law(found: Estimate, settings: Constrained, name: str) -> Estimate:
@@ -218,7 +227,8 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
     coarse = coarsened(measurement)
     say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
     found, _ = _field(coarse, settings, name, replace(strategy, most_subcells=0))
-    return found
+    # Of its sensitivities nothing is needed any more, and they are most of what it has.
+    return replace(found, linear=None, step=None)
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
