@@ -18,7 +18,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.deflated_cg import DeflatedCG
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import Phases
-from hypernode.identification.gauss_newton import first_field, objective_at_end
+from hypernode.identification.gauss_newton import described, first_field, objective_at_end
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
@@ -27,13 +27,18 @@ from hypernode.progress import say
 from hypernode.verdict import Ending
 
 
-def of_certain_phases(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> Estimate | None:
+def of_certain_phases(
+    problem: FieldProblem, plain: FieldProblem, settings: Constrained, coarse: Estimate, name: str
+) -> Estimate | None:
     """A field of a few phases near that of a coarser grid, whose cells have found their labels.
 
-    None where there is noise, where interfaces cut cells, or where no few phases come near the test.
+    Its materials have the plainest terms if these leave nothing to explain: on the coarse grid interfaces that cut
+    cells may have asked for more. None where there is noise, where interfaces cut cells, or where no few phases come
+    nearer the test than the coarse field.
 
     Args:
         problem: the finer grid, with the terms of the coarse field.
+        plain: the same with the plainest terms.
         settings: configuration of the stage.
         coarse: the field of the coarser grid.
         name: case, for progress.
@@ -46,12 +51,36 @@ def of_certain_phases(problem: FieldProblem, settings: Constrained, coarse: Esti
         return None
     objective = objective_at_end(problem, settings, centre)
     labelled = _labelled(objective, mixed, guesses)
-    found = labelled and _with_materials(objective, *labelled, settings)
-    if found is None:
+    if labelled is None:
         return None
-    words = f"{found.material_count} phases near those of the coarser grid, {found.ending}"
+    found = _plainer(*labelled, problem, plain, settings) or _with_materials(objective, *labelled, settings)
+    if found is None or not _nearer(found, objective, params, guesses):
+        return None
+    words = f"{found.material_count} phases near those of the coarser grid ({described(found.problem)}), {found.ending}"
     say("constrained field", name, f"{words}: {found.summary}")
     return found.after(coarse)
+
+
+def _plainer(
+    phases: Phases, guesses, problem: FieldProblem, plain: FieldProblem, settings: Constrained
+) -> Estimate | None:
+    """The same phases of materials with the plainest terms, if these leave nothing to explain."""
+    if plain.basis.terms == problem.basis.terms:
+        return None
+    materials = np.tile(plain.homogeneous.params, (len(phases.materials), 1))
+    materials[:, 0] += problem.stiffness(phases.materials)[0] - plain.stiffness(materials)[0]
+    start = dataclasses.replace(phases, materials=materials)
+    centre = np.tile(plain.homogeneous.params, (len(phases.labels), 1))
+    found = _with_materials(objective_at_end(plain, settings, centre), start, guesses, settings)
+    return found if found is not None and found.complete else None
+
+
+def _nearer(found: Estimate, objective: Objective, params, guesses) -> bool:
+    """Whether phases explain the test, or miss displacements by less than other parameters do."""
+    if not found.ambiguous:
+        return True
+    states = objective.problem.equilibrium.states(params, guesses)
+    return states is None or float(found.history[-1]) < objective.misfit(states, found.linear)
 
 
 def _labelled(objective: Objective, mixed: Shares, guesses) -> tuple[Phases, list] | None:
@@ -132,7 +161,7 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
     states = problem.equilibrium.states(phases.params, [state.u for state in guesses])
     if states is None:
         return None
-    damping, linear, history, gained = strategy.phase_damping[1], None, [], [np.inf, np.inf]
+    damping, linear, history, gained = strategy.phase_damping[1], None, [], [np.inf]
     least, ending = settings.tolerance * problem.cost_of_noise, Ending.OUT_OF_ITERATIONS
     for _ in range(settings.iterations):
         linear = None
@@ -143,9 +172,12 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
         answer = linear.product(columns)
         gradient = answer.T @ np.concatenate(objective.residuals(states, linear.sigma, linear)) + ridge * (x - centre)
         curvature = answer.T @ answer + np.diag(ridge)
-        # Along a curved valley a step may gain little, and the next one much.
-        if _damped(x, gradient, curvature, lowest, 0.0, strategy)[1] < least or sum(gained[-2:]) < least:
+        if _damped(x, gradient, curvature, lowest, 0.0, strategy)[1] < least:
             ending = Ending.CONVERGED
+            break
+        # Along a curved valley a step may gain little, and the next one much.
+        if sum(gained[-3:]) < least:
+            ending = Ending.STAGNATED
             break
         for _ in range(len(strategy.phase_damping)):
             changed, gain = _damped(x, gradient, curvature, lowest, damping, strategy)

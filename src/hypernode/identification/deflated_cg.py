@@ -41,6 +41,11 @@ def _products(one, other, scale) -> Float[np.ndarray, "vector other"]:
     return sum((_columns(one, rows) * scale).T @ _columns(other, rows) for rows in _pieces(one))
 
 
+def _own_products(one, other) -> Float[np.ndarray, " vector"]:
+    """Scalar products of some vectors with as many others, each with its own."""
+    return sum(np.einsum("ij,ij->j", _columns(one, rows), _columns(other, rows)) for rows in _pieces(one))
+
+
 def _metric_products(vectors, metric, scale) -> Float[np.ndarray, "vector vector"]:
     """Scalar products of every two of some scaled vectors in a metric."""
     n, found = len(vectors[0]), []
@@ -69,10 +74,8 @@ def worst_combinations(directions, products, metric, kept: int):
     Returns:
         Factors of the directions (direction,), and combinations of the directions times these (direction, kept).
     """
-    scale = 1.0 / np.sqrt(
-        np.array([direction @ product for direction, product in zip(directions, products, strict=True)])
-    )
-    curvature = _products(directions, products, scale) * scale
+    scale = 1.0 / np.sqrt(_own_products(directions, products))
+    curvature = _products(directions, products, 1.0) * np.outer(scale, scale)
     weight, vectors = scipy.linalg.eigh((curvature + curvature.T) / 2)
     told = weight > REDUNDANT * weight[-1]
     whiten = vectors[:, told] / np.sqrt(weight[told])

@@ -32,7 +32,7 @@ from hypernode.identification.other_minima import (
     without_stray_cells,
 )
 from hypernode.identification.phases import in_phases, on_finer_grid
-from hypernode.identification.problem import FieldProblem, field_problem
+from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.subcells import rivals, subdivided
@@ -114,14 +114,13 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         # A coarse grid has the forces of the finer one.
         check_forces(problem_of, settings, name)
     if coarse is not None:
-        finer, kept = _on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
+        finer, kept = _on_finer_grid(problem_of, first, settings, coarse, name)
         if kept:
             return finer, []
-        tried = [finer]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
-        doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
-        if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
-            tried += if_in_equilibrium(settings.terms, tried[0], further)
+        tried, doubtful = [finer], finer.ambiguous or (finer.problem.certain and not finer.complete)
+        if doubtful and not set(settings.terms) <= set(finer.problem.basis.terms):
+            tried += if_in_equilibrium(settings.terms, finer, further)
     elif settings.terms == first:
         tried = [with_terms(first, None, further)]
     else:
@@ -155,18 +154,20 @@ def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: 
     return tried + field_of(settings.terms, None, further) if likeliest(*tried).ambiguous else tried
 
 
-def _on_finer_grid(problem: FieldProblem, settings: Constrained, coarse: Estimate, name: str) -> tuple[Estimate, bool]:
+def _on_finer_grid(problem_of, first, settings: Constrained, coarse: Estimate, name: str) -> tuple[Estimate, bool]:
     """The field of a finer grid that begins from a coarser one's, and whether it is of phases, which are kept.
 
     Phases are where they explain the test with all terms that there are, or leave others nothing to explain.
     """
+    problem = problem_of(*coarse.problem.basis.terms)
     finer = on_finer_grid(problem, settings, coarse, name)
     if finer is not None:
         return finer, True
-    near = of_certain_phases(problem, settings, coarse, name)
-    if near is None:
+    near = problem.certain and of_certain_phases(problem, problem_of(*first), settings, coarse, name)
+    if not near:
         return descend(problem, settings, name, coarse, (), settings.tolerance).after(coarse), False
-    if not near.ambiguous and (near.complete or set(settings.terms) <= set(problem.basis.terms)):
+    every = near.ending is Ending.CONVERGED and set(settings.terms) <= set(problem.basis.terms)
+    if near.complete or (every and not near.ambiguous):
         return near, True
     loose = replace(problem.strategy, cg_tolerance=3 * problem.strategy.cg_tolerance[2:])
     near = replace(near, linear=None, phases=None)
