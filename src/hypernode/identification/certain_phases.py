@@ -12,7 +12,6 @@ import dataclasses
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.deflated_cg import DeflatedCG
@@ -88,26 +87,29 @@ def _labelled(objective: Objective, mixed: Shares, guesses) -> tuple[Phases, lis
 
     Displacements are weighted by the larger of their uncertainty and their present misfit, as in a descent.
     """
-    problem = objective.problem
+    problem, strategy = objective.problem, objective.strategy
     states, deflation, linear = problem.equilibrium.states(mixed.params, guesses), None, None
-    for _ in range(problem.strategy.phase_rounds):
+    damping = strategy.phase_damping[1]
+    for _ in range(strategy.phase_rounds):
         if states is None:
             return None
         sigma = problem.sigma * max(1.0, objective.misfit(states, None))
         # The factors of the last linearisation make room for those of this one.
         linear = None
         linear = problem.linearise(mixed.params, states, sigma)
-        direction, deflation = _direction(objective, mixed, states, linear, deflation)
+        direction, deflation = _direction(objective, mixed, states, linear, damping, deflation)
         before, labels = objective.misfits(states, sigma, linear), mixed.most.labels
-        for fraction in problem.strategy.fraction ** np.arange(problem.strategy.scaled_trials):
+        for fraction in strategy.fraction ** np.arange(strategy.scaled_trials):
             materials, share = (fraction * each for each in direction)
             trial = mixed.changed(mixed.phases.materials + materials, mixed.share + share)
             reached = _states(problem, trial.params, states, linear)
             if reached is not None and objective.misfits(reached, sigma, linear) < before:
-                mixed, states = trial, reached
                 break
         else:
-            return None
+            damping *= strategy.material_damping[2]
+            continue
+        damping *= strategy.material_damping[int(fraction < strategy.short_step)]
+        mixed, states = trial, reached
         if np.array_equal(mixed.most.labels, labels):
             return mixed.most, states
     return None
@@ -119,16 +121,23 @@ def _states(problem: FieldProblem, params, states, linear: Jacobian):
     return problem.equilibrium.states(params, [state.u for state in states], factors)
 
 
-def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, deflation):
-    """((change of the materials, change of the shares), what the next system learns) of a Gauss-Newton step."""
+def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, damping: float, deflation):
+    """((change of the materials, change of the shares), what the next system learns) of a Gauss-Newton step.
+
+    Materials follow the shares, but for numbers that would go beyond where they may: these stop there first.
+    """
     strategy, materials = objective.strategy, mixed.phases.materials
     by_materials, by_shares = mixed.by_materials, mixed.by_shares
     pull = objective.misfit_gradient(states, linear) + objective.ridge * (mixed.params.ravel() - objective.centre)
     answer = linear.curvature(by_materials.toarray())
-    held = by_materials.T @ scipy.sparse.diags(objective.ridge) @ by_materials
-    own, crossed = by_materials.T @ answer + held.toarray(), by_shares.T @ answer
-    followed = np.linalg.solve(own, crossed.T)
-    of_materials, of_shares = by_materials.T @ pull, by_shares.T @ pull
+    own = by_materials.T @ answer + (by_materials.T @ scipy.sparse.diags(objective.ridge) @ by_materials).toarray()
+    crossed, of_materials, of_shares = by_shares.T @ answer, by_materials.T @ pull, by_shares.T @ pull
+    x, lowest = materials.ravel(), np.tile(objective.problem.basis.lowest, len(materials))
+    alone, _, going = _damped(x, of_materials, own, lowest, damping, strategy)
+    stopped = np.where(going, 0.0, alone - x)
+    followed = np.zeros(crossed.T.shape)
+    damped = own + damping * np.diag(np.diag(own))
+    followed[going] = np.linalg.solve(damped[np.ix_(going, going)], crossed.T[going])
     free = mixed.free(of_shares)
     signs = np.random.default_rng(0).choice([-1.0, 1.0], len(free))
     typical = float(np.mean(signs * (by_shares.T @ linear.curvature(by_shares @ signs))))
@@ -141,11 +150,10 @@ def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, de
 
     metric = typical * scipy.sparse.identity(len(free), format="csc")
     solver = DeflatedCG(product, metric, strategy.deflated_directions, deflation)
-    downhill = np.where(free, followed.T @ of_materials - of_shares, 0.0)
-    solved = solver.solve(downhill, strategy.cg_tolerance[1], strategy.cg_iterations[0])
-    follow = -np.linalg.solve(own, of_materials + crossed.T @ solved.x)
-    follow = np.clip(follow, -strategy.largest_step, strategy.largest_step)
-    return (follow.reshape(materials.shape), solved.x), solved.deflation
+    downhill = followed.T @ (of_materials + damped @ stopped) - of_shares - crossed @ stopped
+    solved = solver.solve(np.where(free, downhill, 0.0), strategy.cg_tolerance[1], strategy.cg_iterations[0])
+    changed, *_ = _damped(x, of_materials + crossed.T @ solved.x, own, lowest, damping, strategy)
+    return ((changed - x).reshape(materials.shape), solved.x), solved.deflation
 
 
 def _with_materials(objective: Objective, phases: Phases, guesses, settings: Constrained) -> Estimate | None:
@@ -180,7 +188,7 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
             ending = Ending.STAGNATED
             break
         for _ in range(len(strategy.phase_damping)):
-            changed, gain = _damped(x, gradient, curvature, lowest, damping, strategy)
+            changed, gain, _ = _damped(x, gradient, curvature, lowest, damping, strategy)
             trial = dataclasses.replace(phases, materials=changed.reshape(shape))
             reached = _states(problem, trial.params, states, linear)
             after = np.inf if reached is None else _cost(objective, changed, reached, linear, ridge, centre)
@@ -201,8 +209,8 @@ def _cost(objective: Objective, x, states, linear: Jacobian, ridge, centre) -> f
     return objective.misfits(states, linear.sigma, linear) + 0.5 * float(ridge @ (x - centre) ** 2)
 
 
-def _damped(x, gradient, curvature, lowest, damping: float, strategy) -> tuple[Float[np.ndarray, " number"], float]:
-    """(where a damped step leads, what it should gain); numbers that would go beyond where they may stop there."""
+def _damped(x, gradient, curvature, lowest, damping: float, strategy):
+    """(where a damped step leads, what it should gain, which numbers do not stop where they may go no further)."""
     least, most = np.maximum(lowest - x, -strategy.largest_step), np.full(len(x), strategy.largest_step)
     matrix = curvature + damping * np.diag(np.diag(curvature))
     change, going = np.zeros_like(x), np.ones(len(x), dtype=bool)
@@ -214,4 +222,4 @@ def _damped(x, gradient, curvature, lowest, damping: float, strategy) -> tuple[F
             break
         change[beyond] = np.clip(change, least, most)[beyond]
         going &= ~beyond
-    return x + change, -float(gradient @ change + 0.5 * change @ curvature @ change)
+    return x + change, -float(gradient @ change + 0.5 * change @ curvature @ change), going
