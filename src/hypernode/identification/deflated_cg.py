@@ -6,7 +6,7 @@ Every solve meets them among its search directions. The worst are kept, and the 
 (deflation: Nicolaides 1987; Saad, Yeung, Erhel and Guyomarc'h 2000).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +22,51 @@ REDUNDANT = 1e-8
 #: Memory of the directions and products that a solve remembers [bytes]. 200 of 100 x 100 cells take as much; of more
 #: cells, the worst of them take the place of all.
 REMEMBERED = 384 * 2**20
+#: Memory of what is copied of them at a time [bytes]: all of 50 x 50 cells.
+COPIED = 64 * 2**20
+
+
+def _pieces(vectors: Sequence[Float[np.ndarray, " n"]]) -> Iterator[slice]:
+    """Rows of the matrix of some vectors of which copies may be made at a time."""
+    n, rows = len(vectors[0]), max(COPIED // (8 * len(vectors)), 1)
+    return (slice(first, first + rows) for first in range(0, n, rows))
+
+
+def _columns(vectors: Sequence[Float[np.ndarray, " n"]], rows: slice = slice(None)) -> Float[np.ndarray, "row vector"]:
+    return np.stack([each[rows] for each in vectors], axis=1)
+
+
+def _products(one, other, scale) -> Float[np.ndarray, "vector other"]:
+    """Scalar products of every two of some vectors, the first of which are scaled."""
+    return sum((_columns(one, rows) * scale).T @ _columns(other, rows) for rows in _pieces(one))
+
+
+def _own_products(one, other) -> Float[np.ndarray, " vector"]:
+    """Scalar products of some vectors with as many others, each with its own."""
+    return sum(np.einsum("ij,ij->j", _columns(one, rows), _columns(other, rows)) for rows in _pieces(one))
+
+
+def _metric_products(vectors, metric, scale) -> Float[np.ndarray, "vector vector"]:
+    """Scalar products of every two of some scaled vectors in a metric."""
+    n, found = len(vectors[0]), []
+    some = max(COPIED // (8 * n), 1)
+    for first in range(0, len(vectors), some):
+        part = slice(first, first + some)
+        images = metric @ (_columns(vectors[part]) * scale[part])
+        found.append(_products(vectors, images.T, scale))
+    return np.concatenate(found, axis=1)
+
+
+def _combined(vectors, scale, combinations) -> Float[np.ndarray, "n combination"]:
+    """Combinations of some scaled vectors."""
+    return np.concatenate([_columns(vectors, rows) * scale @ combinations for rows in _pieces(vectors)])
 
 
 def worst_combinations(directions, products, metric, kept: int):
     """What a preconditioner misses most in the span of some directions (Rayleigh and Ritz).
 
     Args:
-        directions: (n, direction).
+        directions: vectors (n,).
         products: the system's matrix times each of them.
         metric: the matrix that the preconditioner inverts.
         kept: how many directions at most.
@@ -36,14 +74,13 @@ def worst_combinations(directions, products, metric, kept: int):
     Returns:
         Factors of the directions (direction,), and combinations of the directions times these (direction, kept).
     """
-    scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", directions, products))
-    curvature = directions.T @ products * np.outer(scale, scale)
-    directions = directions * scale
+    scale = 1.0 / np.sqrt(_own_products(directions, products))
+    curvature = _products(directions, products, 1.0) * np.outer(scale, scale)
     weight, vectors = scipy.linalg.eigh((curvature + curvature.T) / 2)
     told = weight > REDUNDANT * weight[-1]
     whiten = vectors[:, told] / np.sqrt(weight[told])
     # Eigenvalues of the preconditioned system, one over these, would all be one if the preconditioner were perfect.
-    inverse, vectors = scipy.linalg.eigh(whiten.T @ (directions.T @ (metric @ directions)) @ whiten)
+    inverse, vectors = scipy.linalg.eigh(whiten.T @ _metric_products(directions, metric, scale) @ whiten)
     if len(inverse) > kept:
         # The few at the two ends without which the ratio of the largest to the smallest is least.
         left = len(inverse) - kept
@@ -68,24 +105,20 @@ class SearchDirections:
     def add(self, direction: Float[np.ndarray, " n"], product: Float[np.ndarray, " n"]) -> None:
         """Remember one more."""
         if len(self._directions) >= self._most:
-            both = self._together()
-            scale, combined = worst_combinations(*both, self._metric, self._kept)
-            self._directions, self._products = (list((each * scale @ combined).T.copy()) for each in both)
+            both = self._directions, self._products
+            told = worst_combinations(*both, self._metric, self._kept)
+            self._directions, self._products = (list(_combined(each, *told).T.copy()) for each in both)
         self._directions.append(direction.copy())
         self._products.append(product)
-
-    def _together(self) -> tuple[np.ndarray, np.ndarray]:
-        return np.stack(self._directions, axis=1), np.stack(self._products, axis=1)
 
     def worst(self, deflation, image) -> Float[np.ndarray, "n kept"] | None:
         """The worst among them and earlier ones with their products; the latter if there are none."""
         if not self._directions:
             return deflation
-        parts = self._together()
+        directions, products = self._directions, self._products
         if deflation is not None:
-            parts = [np.concatenate(each, axis=1) for each in zip((deflation, image), parts, strict=True)]
-        scale, combined = worst_combinations(*parts, self._metric, self._kept)
-        return parts[0] * scale @ combined
+            directions, products = [*deflation.T, *directions], [*image.T, *products]
+        return _combined(directions, *worst_combinations(directions, products, self._metric, self._kept))
 
 
 class Solution(NamedTuple):

@@ -117,6 +117,8 @@ def descend(
     ending = Ending.OUT_OF_ITERATIONS
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
+        # Two linearisations are the largest that there is in memory.
+        linear = None
         linear = problem.linearise(params, states, sigma)
         cost = objective.value(params, states, sigma, linear)
         explained = history[-1] <= strategy.explained
@@ -151,6 +153,7 @@ def descend(
         objective = dataclasses.replace(objective, jump_cost=jump_cost)
     objective = dataclasses.replace(objective, jump_cost=final)
     if not problem.certain:
+        linear = None
         linear = problem.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma, linear)
     estimate = Estimate(objective, linear, params, states, np.array(history), cost, ending, step)

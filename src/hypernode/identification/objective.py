@@ -201,17 +201,19 @@ class NormalEquations:
         strategy: Strategy,
     ):
         inverse = np.linalg.inv(B)
-        self._to_params = block_diagonal(inverse).tocsr()
-        self._to_coordinates = self._to_params.T.tocsr()
+        # Of no function here is this object a part: a circle of references would keep all of a linearisation in memory
+        # until garbage is collected.
+        to_params = self._to_params = block_diagonal(inverse).tocsr()
+        to_coordinates = self._to_coordinates = to_params.T.tocsr()
         jumps = (R.T @ R).tocsc()
 
         def data(y):
-            return self._to_coordinates @ curvature(self._to_params @ y)
+            return to_coordinates @ curvature(to_params @ y)
 
         def product(y):
-            x = self._to_params @ y
+            x = to_params @ y
             held = ridge * x if x.ndim == 1 else ridge[:, None] * x
-            return self._to_coordinates @ (curvature(x) + held) + jumps @ y
+            return to_coordinates @ (curvature(x) + held) + jumps @ y
 
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).

@@ -138,6 +138,12 @@ class FieldProblem:
         other._shares = other._shares_of_steps()
         return other
 
+    def with_strategy(self, strategy: Strategy) -> "FieldProblem":
+        """The same with other constants of its descents."""
+        other = copy.copy(self)
+        other.strategy = strategy
+        return other
+
     def stiffness(self, params: Float[np.ndarray, "cell parameter"]):
         """(logarithm of the stress under the mean deformation of the sheet (cell,), its derivative)."""
         value, derivative = self._stiffness(params)

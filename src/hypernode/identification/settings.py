@@ -27,9 +27,8 @@ class Perturbation:
 class Strategy:
     """Constants of the identification of a constrained field."""
 
-    # Data. Displacements are never trusted beyond these shares of the largest one, noise apart: what finite elements
-    # on the measured grid make of a field that was computed on that same grid, of one that was observed, whose
-    # interfaces lie anywhere, and of the latter where cells are divided into subcells.
+    # Data. Displacements are never trusted beyond these shares of the largest, noise apart: what finite elements make
+    # of a field that was computed on the measured grid, of one that was observed, and of the latter in subcells.
     same_grid_floor: float = 3.8e-5
     #: Of fields on a grid of their own, times the number of cells along a side.
     cut_cells_floor: float = 0.065
@@ -41,15 +40,14 @@ class Strategy:
     frames_confirmed: float = 0.8
     #: Largest share of noisy displacements that a field is taken to have fitted: more is not counted well.
     most_taken_away: float = 0.9
-    #: Misfit of the forces of one load case by the closest homogeneous material beyond which no sheet can have given
-    #: them. Ogden, Gent and Fung sheets are missed by 7 % at most, heterogeneous ones by 3 %; a record that is
-    #: constant by a quarter, one that is reversed, in another order or tenfold from a step on by more than a third.
+    #: Misfit of the forces of a load case by the closest homogeneous material beyond which no sheet gave them. Sheets
+    #: miss 7 % at most; a record that is constant a quarter, one in another order or tenfold from a step on a third.
     impossible_forces: float = 0.2
     #: Share of a step's largest force below which a component's relative uncertainty no longer shrinks.
     smallest_force: float = 0.1
 
-    # Homogeneous start. How strongly the fit prefers the plainest material, in units of a misfit of 1 %: for the start,
-    # and to see what no material of the basis can follow; and how often what clamps do to it is computed anew.
+    # Homogeneous start. How strongly it prefers the plainest material, in units of a misfit of 1 %: for the start, and
+    # to see what no material of the basis can follow; and how often what clamps do to it is computed anew.
     strong_ridge: float = 0.3
     weak_ridge: float = 0.03
     bending_rounds: int = 3
@@ -94,14 +92,14 @@ class Strategy:
     #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
     cg_iterations: tuple[int, int] = (150, 200)
     #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. On
-    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
-    cg_tolerance: tuple[float, float] = (0.001, 0.003)
+    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance. The last is that of
+    #: a descent that begins where every cell has found its phase, which has no valleys to cross.
+    cg_tolerance: tuple[float, float, float] = (0.001, 0.003, 0.03)
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
     curvature_probes: int = 2
-    #: Directions that a deflated solve keeps.
+    #: Directions that a deflated solve keeps; relative residual and most iterations of a posterior sample.
     deflated_directions: int = 40
-    #: Relative residual and most iterations of a posterior sample.
     sample_tolerance: float = 0.01
     sample_iterations: int = 100
     #: Relative residual of the one that counts effective parameters, which are then missed by less than their chance.
@@ -158,8 +156,10 @@ class Strategy:
     #: Share of what is left above noise that contours must explain in a round while the test is not explained. Those of
     #: a coarser grid explain most of it, those of a stiffness that changes gradually a tenth.
     phase_share: float = 0.25
-    #: Levenberg and Marquardt: shares of the curvature that are added to it until a step lowers the cost.
+    #: Levenberg and Marquardt: shares of the curvature that are added until a step lowers the cost; factors of a share
+    #: that is remembered, where a step gained most of what it should, little of that, and nothing.
     phase_damping: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
+    material_damping: tuple[float, float, float] = (0.1, 4.0, 10.0)
     #: Columns of the Jacobian at a time, for memory.
     columns_at_once: int = 128
 
@@ -189,8 +189,8 @@ class Strategy:
     #: Side over its standard deviation from which it is certain that there is one.
     window_certain: float = 3.0
 
-    #: A grid of more cells begins from the field of every second of its lines: so many are identified in a minute or
-    #: two, and show interfaces well enough to begin from. On finer grids a length of interface costs what it does here.
+    #: A grid of more cells begins from the field of every second of its lines: so many take a minute, and show where
+    #: interfaces are. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
     # Subcells: a side of a cell, how many a sheet has at most, for memory, iterations, misfits of rivals over the best.
@@ -198,8 +198,8 @@ class Strategy:
     most_subcells: int = 16000
     subcells_iterations: int = 24
     rival_misfit: float = 1.5
-    #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
-    #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
+    #: Misfit over the error of the description below which that was assumed too large. It is then that of the misfit,
+    #: but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
     smallest_reestimate: float = 0.25
     #: Noise rules from this share of the assumed error of the description on; from all of it where nothing explains.

@@ -20,6 +20,7 @@ from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.coarsening import coarsened
 from hypernode.identification.estimate import Estimate, likeliest
+from hypernode.identification.finer_grid import from_coarser_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend, described
 from hypernode.identification.layered import in_layers
@@ -30,7 +31,7 @@ from hypernode.identification.other_minima import (
     without_outlying_cells,
     without_stray_cells,
 )
-from hypernode.identification.phases import in_phases, on_finer_grid
+from hypernode.identification.phases import in_phases
 from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
@@ -120,14 +121,13 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         # A coarse grid has the forces of the finer one.
         check_forces(problem_of, settings, name)
     if coarse is not None:
-        finer = on_finer_grid(problem_of(*coarse.problem.basis.terms), settings, coarse, name)
-        if finer is not None:
+        finer, kept = from_coarser_grid(problem_of, first, settings, coarse, name)
+        if kept:
             return finer, []
-        tried = [with_terms(coarse.problem.basis.terms, coarse, ())]
         # Without noise, the finer grid tells what interfaces that cut coarse cells may have hidden.
-        doubtful = tried[0].ambiguous or (tried[0].problem.certain and not tried[0].complete)
-        if doubtful and not set(settings.terms) <= set(tried[0].problem.basis.terms):
-            tried += if_in_equilibrium(settings.terms, tried[0], further)
+        tried, doubtful = [finer], finer.ambiguous or (finer.problem.certain and not finer.complete)
+        if doubtful and not set(settings.terms) <= set(finer.problem.basis.terms):
+            tried += if_in_equilibrium(settings.terms, finer, further)
     elif settings.terms == first:
         tried = [with_terms(first, None, further)]
     else:
@@ -154,7 +154,10 @@ def _beside(plain: Estimate, first: list[str], settings: Constrained, strategy: 
         tried += field_of(settings.isotropic_terms, plain, strategy.isotropic_plateaus)
     if not any(each.complete for each in tried):
         tried = field_of(settings.terms, plain, further) + tried
-    tried = [_as_one_law(each, settings, name) for each in tried or [plain]]
+    tried = tried or [plain]
+    # Without noise, forces of a field that explains the test leave the law of another one no doubt.
+    if plain.problem.noisy or likeliest(*tried).ambiguous:
+        tried = [_as_one_law(each, settings, name) for each in tried]
     return tried + field_of(settings.terms, None, further) if likeliest(*tried).ambiguous else tried
 
 
@@ -212,7 +215,8 @@ def on_coarser_grid(measurement, settings: Constrained, name: str, strategy: Str
     coarse = coarsened(measurement)
     say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
     found, _ = _field(coarse, settings, name, replace(strategy, most_subcells=0))
-    return found
+    # Of its sensitivities nothing is needed any more, and they are most of what it has.
+    return replace(found, linear=None, step=None)
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
