@@ -78,8 +78,8 @@ def test_a_good_run_passes_and_says_so_in_one_word(measurement):
 
 def test_a_window_that_a_field_had_to_find_is_a_warning(measurement):
     field = constrained().assign_attrs(BelievedWindow(2.4, 0.1).stored())
-    found = criterion(judged(measurement, field), "window")
-    assert found.level is Level.WARNED and "2.4 +- 0.1" in found.sentence
+    found = criterion(judged(measurement.assign_attrs(units='{"length": "mm"}'), field), "window")
+    assert found.level is Level.WARNED and "2.4 +- 0.1 mm" in found.sentence
     assert "window" not in {each.name for each in judged(measurement).criteria}
 
 

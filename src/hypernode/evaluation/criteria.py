@@ -38,7 +38,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
-            *_window(constrained),
+            *_window(measurement, constrained),
             _places(summary, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
@@ -101,14 +101,15 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
     return limited(name, words, value, threshold, "{:.2f}".format)
 
 
-def _window(constrained) -> tuple[Criterion, ...]:
+def _window(measurement, constrained) -> tuple[Criterion, ...]:
     """That a field had to find the window which cameras see through; none where it had not to."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
     if found is None:
         return ()
+    side = f"{found.side:.3g} +- {found.error:.1g} {json.loads(measurement.attrs['units'])['length']}"
     sentence = (
-        f"No correlation_window is stated; the field was identified as seen through one of {found.side:.3g} +- "
-        f"{found.error:.1g}, which two materials and a line tell. State that of the engine."
+        f"No correlation_window is stated; the field was identified as seen through one of {side}, which two materials "
+        "and a line tell. State that of the engine."
     )
     return (Criterion("window", Level.WARNED, sentence, found.side),)
 

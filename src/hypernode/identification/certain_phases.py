@@ -20,6 +20,7 @@ from hypernode.identification.few_materials import Phases
 from hypernode.identification.gauss_newton import described, first_field, objective_at_end
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
+from hypernode.identification.projected_newton import bounded_step
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.identification.shares import Shares, left_open
 from hypernode.progress import say
@@ -52,7 +53,7 @@ def of_certain_phases(
     labelled = _labelled(objective, mixed, guesses)
     if labelled is None:
         return None
-    found = _plainer(*labelled, problem, plain, settings) or _with_materials(objective, *labelled, settings)
+    found = _plainer(*labelled, problem, plain, settings) or _with_likeliest_materials(objective, *labelled, settings)
     if found is None or not _nearer(found, objective, params, guesses):
         return None
     words = f"{found.material_count} phases near those of the coarser grid ({described(found.problem)}), {found.ending}"
@@ -70,7 +71,7 @@ def _plainer(
     materials[:, 0] += problem.stiffness(phases.materials)[0] - plain.stiffness(materials)[0]
     start = dataclasses.replace(phases, materials=materials)
     centre = np.tile(plain.homogeneous.params, (len(phases.labels), 1))
-    found = _with_materials(objective_at_end(plain, settings, centre), start, guesses, settings)
+    found = _with_likeliest_materials(objective_at_end(plain, settings, centre), start, guesses, settings)
     return found if found is not None and found.complete else None
 
 
@@ -133,7 +134,7 @@ def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, da
     own = by_materials.T @ answer + (by_materials.T @ scipy.sparse.diags(objective.ridge) @ by_materials).toarray()
     crossed, of_materials, of_shares = by_shares.T @ answer, by_materials.T @ pull, by_shares.T @ pull
     x, lowest = materials.ravel(), np.tile(objective.problem.basis.lowest, len(materials))
-    alone, _, going = _damped(x, of_materials, own, lowest, damping, strategy)
+    alone, _, going = bounded_step(x, of_materials, own, lowest, damping, strategy)
     stopped = np.where(going, 0.0, alone - x)
     followed = np.zeros(crossed.T.shape)
     damped = own + damping * np.diag(np.diag(own))
@@ -152,11 +153,11 @@ def _direction(objective: Objective, mixed: Shares, states, linear: Jacobian, da
     solver = DeflatedCG(product, metric, strategy.deflated_directions, deflation)
     downhill = followed.T @ (of_materials + damped @ stopped) - of_shares - crossed @ stopped
     solved = solver.solve(np.where(free, downhill, 0.0), strategy.cg_tolerance[1], strategy.cg_iterations[0])
-    changed, *_ = _damped(x, of_materials + crossed.T @ solved.x, own, lowest, damping, strategy)
+    changed, *_ = bounded_step(x, of_materials + crossed.T @ solved.x, own, lowest, damping, strategy)
     return ((changed - x).reshape(materials.shape), solved.x), solved.deflation
 
 
-def _with_materials(objective: Objective, phases: Phases, guesses, settings: Constrained) -> Estimate | None:
+def _with_likeliest_materials(objective: Objective, phases: Phases, guesses, settings: Constrained) -> Estimate | None:
     """The likeliest materials of phases, by steps of Levenberg and Marquardt; None where there is no equilibrium.
 
     Coefficients are curved functions of their parameters near zero, so that valleys are, and how much damping a step
@@ -180,7 +181,7 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
         answer = linear.product(columns)
         gradient = answer.T @ np.concatenate(objective.residuals(states, linear.sigma, linear)) + ridge * (x - centre)
         curvature = answer.T @ answer + np.diag(ridge)
-        if _damped(x, gradient, curvature, lowest, 0.0, strategy)[1] < least:
+        if bounded_step(x, gradient, curvature, lowest, 0.0, strategy)[1] < least:
             ending = Ending.CONVERGED
             break
         # Along a curved valley a step may gain little, and the next one much.
@@ -188,7 +189,7 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
             ending = Ending.STAGNATED
             break
         for _ in range(len(strategy.phase_damping)):
-            changed, gain, _ = _damped(x, gradient, curvature, lowest, damping, strategy)
+            changed, gain, _ = bounded_step(x, gradient, curvature, lowest, damping, strategy)
             trial = dataclasses.replace(phases, materials=changed.reshape(shape))
             reached = _states(problem, trial.params, states, linear)
             after = np.inf if reached is None else _cost(objective, changed, reached, linear, ridge, centre)
@@ -207,19 +208,3 @@ def _with_materials(objective: Objective, phases: Phases, guesses, settings: Con
 
 def _cost(objective: Objective, x, states, linear: Jacobian, ridge, centre) -> float:
     return objective.misfits(states, linear.sigma, linear) + 0.5 * float(ridge @ (x - centre) ** 2)
-
-
-def _damped(x, gradient, curvature, lowest, damping: float, strategy):
-    """(where a damped step leads, what it should gain, which numbers do not stop where they may go no further)."""
-    least, most = np.maximum(lowest - x, -strategy.largest_step), np.full(len(x), strategy.largest_step)
-    matrix = curvature + damping * np.diag(np.diag(curvature))
-    change, going = np.zeros_like(x), np.ones(len(x), dtype=bool)
-    while going.any():
-        pull = gradient[going] + matrix[np.ix_(going, ~going)] @ change[~going]
-        change[going] = -np.linalg.solve(matrix[np.ix_(going, going)], pull)
-        beyond = going & ((change < least) | (change > most))
-        if not beyond.any():
-            break
-        change[beyond] = np.clip(change, least, most)[beyond]
-        going &= ~beyond
-    return x + change, -float(gradient @ change + 0.5 * change @ curvature @ change), going

@@ -35,6 +35,6 @@ def from_coarser_grid(
     every = near.ending is Ending.CONVERGED and set(settings.terms) <= set(problem.basis.terms)
     if near.complete or (every and not near.ambiguous):
         return near, True
-    loose = replace(problem.strategy, cg_tolerance=3 * problem.strategy.cg_tolerance[2:])
+    loose = replace(problem.strategy, cg_tolerance=problem.strategy.cg_tolerance_of_phases)
     near = replace(near, linear=None, phases=None)
     return descend(problem.with_strategy(loose), settings, name, near, (), settings.tolerance).after(near), False

@@ -117,7 +117,7 @@ def descend(
     ending = Ending.OUT_OF_ITERATIONS
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
-        # Two linearisations are the largest that there is in memory.
+        # A linearisation is the largest thing in memory: the last one goes before the next one is made.
         linear = None
         linear = problem.linearise(params, states, sigma)
         cost = objective.value(params, states, sigma, linear)

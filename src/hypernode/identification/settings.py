@@ -27,8 +27,9 @@ class Perturbation:
 class Strategy:
     """Constants of the identification of a constrained field."""
 
-    # Data. Displacements are never trusted beyond these shares of the largest, noise apart: what finite elements make
-    # of a field that was computed on the measured grid, of one that was observed, and of the latter in subcells.
+    # Data. Displacements are never trusted beyond these shares of the largest one, noise apart: what finite elements
+    # on the measured grid make of a field that was computed on that same grid, of one that was observed, whose
+    # interfaces lie anywhere, and of the latter where cells are divided into subcells.
     same_grid_floor: float = 3.8e-5
     #: Of fields on a grid of their own, times the number of cells along a side.
     cut_cells_floor: float = 0.065
@@ -40,14 +41,15 @@ class Strategy:
     frames_confirmed: float = 0.8
     #: Largest share of noisy displacements that a field is taken to have fitted: more is not counted well.
     most_taken_away: float = 0.9
-    #: Misfit of the forces of a load case by the closest homogeneous material beyond which no sheet gave them. Sheets
-    #: miss 7 % at most; a record that is constant a quarter, one in another order or tenfold from a step on a third.
+    #: Misfit of the forces of one load case by the closest homogeneous material beyond which no sheet can have given
+    #: them. Ogden, Gent and Fung sheets are missed by 7 % at most, heterogeneous ones by 3 %; a record that is
+    #: constant by a quarter, one that is reversed, in another order or tenfold from a step on by more than a third.
     impossible_forces: float = 0.2
     #: Share of a step's largest force below which a component's relative uncertainty no longer shrinks.
     smallest_force: float = 0.1
 
-    # Homogeneous start. How strongly it prefers the plainest material, in units of a misfit of 1 %: for the start, and
-    # to see what no material of the basis can follow; and how often what clamps do to it is computed anew.
+    # Homogeneous start. How strongly the fit prefers the plainest material, in units of a misfit of 1 %: for the start,
+    # and to see what no material of the basis can follow; and how often what clamps do to it is computed anew.
     strong_ridge: float = 0.3
     weak_ridge: float = 0.03
     bending_rounds: int = 3
@@ -92,14 +94,16 @@ class Strategy:
     #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
     cg_iterations: tuple[int, int] = (150, 200)
     #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. On
-    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance. The last is that of
-    #: a descent that begins where every cell has found its phase, which has no valleys to cross.
-    cg_tolerance: tuple[float, float, float] = (0.001, 0.003, 0.03)
+    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
+    cg_tolerance: tuple[float, float] = (0.001, 0.003)
+    #: The same of a descent that begins where every cell has found its phase: it has no valley to cross.
+    cg_tolerance_of_phases: tuple[float, float] = (0.03, 0.03)
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
     curvature_probes: int = 2
-    #: Directions that a deflated solve keeps; relative residual and most iterations of a posterior sample.
+    #: Directions that a deflated solve keeps.
     deflated_directions: int = 40
+    #: Relative residual and most iterations of a posterior sample.
     sample_tolerance: float = 0.01
     sample_iterations: int = 100
     #: Relative residual of the one that counts effective parameters, which are then missed by less than their chance.
@@ -198,8 +202,8 @@ class Strategy:
     most_subcells: int = 16000
     subcells_iterations: int = 24
     rival_misfit: float = 1.5
-    #: Misfit over the error of the description below which that was assumed too large. It is then that of the misfit,
-    #: but no smaller than by this factor: what seems better still is fitted by single subcells.
+    #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
+    #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
     overestimated: float = 0.7
     smallest_reestimate: float = 0.25
     #: Noise rules from this share of the assumed error of the description on; from all of it where nothing explains.

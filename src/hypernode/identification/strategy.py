@@ -61,9 +61,10 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     found = _identified(measurement, settings, name, strategy)
     window = unstated_window(found, measurement, settings, name)
     if window is not None:
-        behind = _identified(window.of(measurement), settings, name, strategy)
+        seen = window.of(measurement)
+        behind = _identified(seen, settings, name, strategy)
         if behind.layered and not behind.underfitted:
-            measurement, found = window.of(measurement), behind
+            measurement, found = seen, behind
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
