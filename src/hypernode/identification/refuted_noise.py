@@ -29,7 +29,8 @@ def refuted_noise(found: Estimate, measurement: xr.Dataset) -> BelievedNoise | N
     scatter, told = _scatter(measurement), np.nan
     if "frames_noise_scatter" in measurement and believed.source is not frames.source:
         told = _scatter(frames.of(measurement))
-    left = found.misfits["displacement"] * observations.scatter * observations.sigma
+    # Of points beside interfaces, which a window makes uncertain, less is left than of their noise alone would be.
+    left = found.misfits["displacement"] * scatter
     too_large = observations.noisy and left < strategy.noise_refuted * scatter
     if too_large:
         # The numbers that data determine take their part of noise away.
