@@ -10,12 +10,13 @@ from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
+from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import identify
 from hypernode.mechanics.loads import make_load
 from hypernode.stages.as_identified import problem_as_identified
-from tests.sheets import believed, sheet, square
+from tests.sheets import believed, observed_coarsely, sheet, square
 
-NOISE = 1e-3
+NOISE, SMALL = 1e-3, 3e-4
 SETTINGS = Constrained(terms=["I1_squared"], isotropic_terms=[], further_terms=[], iterations=12, posterior_samples=0)
 
 
@@ -78,3 +79,14 @@ def test_a_field_does_not_depend_on_a_noise_that_the_test_refutes(factor):
     )
     again, _ = problem_as_identified(wrong, kept, SETTINGS, problem.basis, 1)
     assert again.sigma == pytest.approx(problem.sigma, rel=1e-12)
+
+
+def test_points_that_a_window_makes_uncertain_do_not_refute_the_noise_of_the_others():
+    """Beside interfaces a moving average is exact, and less is left than engines would leave."""
+    data, _ = observed_coarsely(12, square, make_load("equibiaxial", [1.1, 1.2]), 0.4)
+    random = np.random.default_rng(3).normal(0.0, SMALL, data["u_measured"].shape)
+    data = believed(data.assign(u_measured=data["u_measured"] + random), SMALL).assign_attrs(window_uncertainty=0.25)
+    found = descend(field_problem(data, SETTINGS), SETTINGS, "seen", None, (), 1e-3)
+    observations = found.problem.observations
+    assert observations.scatter * observations.sigma < STRATEGY.noise_refuted * SMALL
+    assert refuted_noise(found, data) is None
