@@ -12,6 +12,7 @@ from pathlib import Path
 
 from hypernode.commands.advise import add_advise
 from hypernode.commands.correlate import add_correlate
+from hypernode.commands.explain import add_explain
 from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
@@ -183,6 +184,7 @@ COMMANDS = (
     add_correlate,
     add_inspect,
     add_identify,
+    add_explain,
     add_explore,
     add_advise,
     add_audit,

@@ -7,7 +7,7 @@ import pytest
 
 from hypernode.evaluation.curves import curve_errors, curves, score_curves
 from hypernode.evaluation.fibres import angle_between_axes, score_fibres
-from hypernode.evaluation.probes import indicator, preferred_direction, uniaxial_stress
+from hypernode.evaluation.probes import indicator, preferred_direction, sampled_indicator, uniaxial_stress
 from hypernode.material.field import Material
 from hypernode.material.files import material_of
 from hypernode.material.laws import node_stress
@@ -55,6 +55,30 @@ def test_a_point_without_a_uniaxial_state_has_no_stress_and_does_not_hide_the_ot
     found = uniaxial_stress(material, X, [1.2], 0)[0]
     assert np.isnan(found[1]).all()
     np.testing.assert_allclose(found[[0, 2, 3]], np.tile([0.2, 0.0], (3, 1)), atol=1e-12)
+
+
+def test_a_sample_near_a_material_has_the_uniaxial_stress_of_its_own_to_first_order():
+    errors = []
+    for change in (0.2, 0.1):
+        other, best = (
+            material_of(closed_form(MESH, "goh", **GOH | {"k1": k1}, fibre_angle=0.3)) for k1 in (2.0 + change, 2.0)
+        )
+        found = sampled_indicator(best, other, X, 1, "uniaxial_x", 1.2)[0]
+        errors.append(np.abs(found / indicator(other, X, "uniaxial_x", 1.2) - 1.0).max())
+    assert errors[1] < 0.3 * errors[0] < 1e-3 and errors[1] > 1e-9
+
+
+def test_a_sample_without_a_uniaxial_state_of_its_own_has_the_stress_of_first_order():
+    def stress(F, pushed):
+        P = jnp.stack([jnp.stack([F[0, 0] - 1.0, 0.0 * F[0, 1]]), jnp.stack([0.0 * F[1, 0], F[1, 1] - 1.0])])
+        return P + jnp.where(pushed, 0.5 * (F[1, 1] - 3.0) ** 2, 0.0) * jnp.array([[0.0, 0.0], [0.0, 1.0]])[..., None]
+
+    best, other = (
+        Material(lambda X, pushed=pushed: jnp.full(len(X), pushed), stress, no_energy, SYNTHETIC_UNITS)
+        for pushed in (False, True)
+    )
+    assert np.isnan(uniaxial_stress(other, X, [1.2], 0)).all()
+    np.testing.assert_allclose(sampled_indicator(best, other, X, 1, "uniaxial_x", 1.2), 0.2, atol=1e-9)
 
 
 def test_single_precision_finds_the_uniaxial_stress_of_a_network():

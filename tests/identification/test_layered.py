@@ -16,6 +16,7 @@ from hypernode.identification.layered_estimate import LayeredEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY
+from hypernode.identification.strategy import _warn
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely
 
@@ -133,9 +134,15 @@ def test_mixtures_stay_where_nobody_asks_for_layers_and_where_stiffness_has_a_sl
     free, _, _ = of_a_disc
     assert in_layers(free, [], Constrained(terms=[]), "sheet") is free
     slope, _ = free_field(lambda X: X[:, 0])
-    assert in_layers(slope, [], SETTINGS, "sheet") is slope
+    assert in_layers(slope, [], SETTINGS, "sheet").trial is slope.trial
 
 
 def test_a_sheet_of_one_material_gets_no_second_one():
     free, _ = free_field(lambda X: np.zeros(len(X)))
-    assert in_layers(free, [], SETTINGS, "sheet") is free
+    assert in_layers(free, [], SETTINGS, "sheet").trial is free.trial
+
+
+def test_two_materials_that_miss_a_test_are_warned_of_by_their_terms(of_a_disc, capsys):
+    _, found, _ = of_a_disc
+    _warn(dataclasses.replace(found, history=np.array([9.0])), SETTINGS, "sheet")
+    assert "missed by 9.0 times" in capsys.readouterr().err.replace("\n", " ")

@@ -204,9 +204,11 @@ def test_a_descent_waits_for_further_terms_where_it_is_stuck_above_the_noise_wit
 
 def test_a_field_that_explains_noise_or_misses_the_test_is_kept_only_where_there_is_no_other():
     def field(information_criterion, unexplained=0.5, overfitted=False):
-        return SimpleNamespace(
-            information_criterion=information_criterion, unexplained=unexplained, overfitted=overfitted
+        made = SimpleNamespace(
+            information_criterion=information_criterion, unexplained=unexplained, overfitted=overfitted, trial=object()
         )
+        made.instead_of = lambda other, because: made
+        return made
 
     sound, missing, noise = field(10.0), field(1.0, unexplained=1.2), field(2.0, overfitted=True)
     assert likeliest(missing, noise, sound) is sound

@@ -134,3 +134,10 @@ def test_the_basis_is_stress_free_and_isotropic_without_fibres(terms):
     R, F = np.array([[c, -s], [s, c]]), np.array([[1.2, 0.1], [0.0, 0.95]])
     np.testing.assert_allclose(basis.stress(F @ R, params), basis.stress(F, params) @ R, atol=1e-12)
     assert Invariants(*invariants(np.eye(2), 0.0)) == (3.0, 3.0, 1.0, 1.0, 1.0)
+
+
+def test_coefficients_end_where_a_material_is_rigid_beside_its_own_level():
+    basis = ConvexBasis(("I1_squared", "fibre"), 0.4)
+    bounded = dict(zip(basis.names, basis.highest, strict=True))
+    assert bounded["log1p_I1_squared"] == pytest.approx(np.log(1.0 + 1e4))
+    assert np.isinf([bounded["log_level"], bounded["fibre_x"], bounded["logit_dispersion"]]).all()

@@ -22,6 +22,8 @@ ALL = [(kind, name) for kind, columns in COLUMNS.items() for name in columns]
         (0.00012345, "0.000123"),
         (3e-9, "< 0.0001"),
         (-0.5, "-0.500"),
+        (float("nan"), "no number"),
+        (float("-inf"), "no number"),
     ],
 )
 def test_a_number_has_three_significant_digits_and_no_exponent(value, text):

@@ -39,6 +39,17 @@ def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.nda
         X: positions (point, 2).
         stretches: stretches along ``axis`` (stretch,).
     """
+    _, P, _, converged = uniaxial_states(material, X, stretches, axis)
+    return np.where(converged[..., None], np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1), np.nan)
+
+
+def uniaxial_states(material: Material, X, stretches, axis: int):
+    """The states of :func:`uniaxial_stress`.
+
+    Returns:
+        (F[stretch, point, i, J], P of the same shape, change of the stress along over that across as the transverse
+        stretch changes (stretch, point), whether each was found (stretch, point)).
+    """
     across = 1 - axis
     along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
     transverse = along**-0.5
@@ -47,13 +58,14 @@ def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.nda
         F[..., axis, axis], F[..., across, across] = along, transverse
         stress = material.stress(X, F)
         P = np.asarray(stress, float)
-        slope = np.asarray(material.tangent(X, F), float)[..., across, across, across, across]
+        tangent = np.asarray(material.tangent(X, F), float)[..., across, across]
+        slope = tangent[..., across, across]
         step = P[..., across, across] / np.where(np.abs(slope) > 0, slope, 1.0)
         transverse = np.clip(transverse - step, 0.3, 3.0)
         if np.abs(step).max() < STEP:
             break
     converged = np.abs(step) <= max(STEP, ROUNDING_UNITS * float(jnp.finfo(stress.dtype).eps))
-    return np.where(converged[..., None], np.stack([P[..., 0, 0], P[..., 1, 1]], axis=-1), np.nan)
+    return F, P, tangent[..., axis, axis] / np.where(np.abs(slope) > 0, slope, 1.0), converged
 
 
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
@@ -64,6 +76,29 @@ def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
         P = equibiaxial_stress(material, X, [stretch])[0]
         return P[:, 0, 0] + P[:, 1, 1]
     return uniaxial_stress(material, X, [stretch], axis)[0, :, axis]
+
+
+def sampled_indicator(
+    best: Material, samples: Material, X, count: int, kind: str, stretch: float
+) -> Float[np.ndarray, "sample cell"]:
+    """:func:`indicator` of materials near one, to first order in their distance from it.
+
+    The transverse stretch of a sample follows from the tangent of ``best``, so that a sample has a state wherever that
+    has one.
+
+    Args:
+        best: material of which the others are samples.
+        samples: ``count`` materials at the positions X, one after the other.
+    """
+    every = np.tile(X, (count, 1))
+    axis = tensile_axis(kind)
+    if axis is None:
+        return indicator(samples, every, kind, stretch).reshape(count, -1)
+    F, _, coupling, found = uniaxial_states(best, X, [stretch], axis)
+    P = np.asarray(samples.stress(every, np.tile(F[0], (count, 1, 1))), float).reshape(count, len(X), 2, 2)
+    across = 1 - axis
+    condensed = P[..., axis, axis] - coupling[0] * P[..., across, across]
+    return np.where(found[0], condensed, np.nan)
 
 
 def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from hypernode.evaluation.judgement import Judgement
-from hypernode.evaluation.probes import indicator
+from hypernode.evaluation.probes import indicator, sampled_indicator
 from hypernode.fem.mesh import Mesh
 from hypernode.material.files import material_of, posterior_material
 
@@ -39,8 +39,9 @@ class Samples:
         posterior = posterior_material(constrained)
         if posterior is None:
             return None
-        values = indicator(posterior, np.tile(X, (constrained.sizes["posterior_sample"], 1)), kind, stretch)
-        return cls(indicator(material_of(constrained), X, kind, stretch), values.reshape(-1, len(X)))
+        best, count = material_of(constrained), constrained.sizes["posterior_sample"]
+        values = sampled_indicator(best, posterior, X, count, kind, stretch)
+        return cls(indicator(best, X, kind, stretch), values)
 
     @property
     def deviations(self) -> Float[np.ndarray, "posterior_sample cell"]:

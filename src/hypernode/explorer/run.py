@@ -17,6 +17,7 @@ from hypernode.material.files import material_of, posterior_material
 from hypernode.mechanics.loads import tensile_axis
 from hypernode.storage.netcdf import units_of
 from hypernode.tables.verdicts import RunVerdict
+from hypernode.trace import HEAD, cells, read
 
 #: Bits of the numbers of nodes.
 COUNTING = 24
@@ -60,9 +61,16 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "shape_stretch": float(evaluation.attrs["shape_stretch"]),
         "forces": force_numbers(evaluation),
         "sheets": sheets_of_one_phase(files),
+        "trace": _trace(files.get("constrained")),
         "facts": [list(each) for each in facts(summary)],
         "start": _start(evaluation, mesh),
     }
+
+
+def _trace(constrained) -> dict | None:
+    """Heads and rows of the candidates of a constrained field, or None where there is no record of them."""
+    rows = [] if constrained is None else read(constrained.attrs)
+    return {"heads": HEAD, "rows": cells(rows)} if rows else None
 
 
 def _has_basis(files) -> bool:
@@ -90,7 +98,7 @@ def _packed_map(each, arrays: Arrays) -> dict:
 def _start(evaluation, mesh) -> dict:
     """What is shown first: a point of the inclusion, or of the matrix, pulled as the test was."""
     places = evaluation["curve_location"].values
-    place = next(place for place in places[::-1] if np.isfinite(place).all())
+    place = next((place for place in places[::-1] if np.isfinite(place).all()), mesh.centres.mean(axis=0))
     axis = tensile_axis(evaluation.attrs["load"])
     mode = "shear" if evaluation.attrs["load"] == "shear" else "equibiaxial" if axis is None else "uniaxial"
     cell = int(np.argmin(np.linalg.norm(mesh.centres - place, axis=1)))

@@ -58,7 +58,7 @@ def of_certain_phases(
         return None
     words = f"{found.material_count} phases near those of the coarser grid ({described(found.problem)}), {found.ending}"
     say("constrained field", name, f"{words}: {found.summary}")
-    return found.after(coarse)
+    return found.recorded("phases near those of the coarser grid", coarse).after(coarse)
 
 
 def _plainer(

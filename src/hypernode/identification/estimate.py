@@ -12,6 +12,7 @@ from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.trace import Score, Trace, Trial
 from hypernode.verdict import Ending
 
 
@@ -29,6 +30,8 @@ class Estimate:
         ending: how the descent ended.
         step: the last Gauss-Newton step that was tried, or None where none was.
         phases: the few materials that the field is made of, where it is, and which of them every cell has.
+        trial: the record of this candidate, None until it is complete.
+        trace: all candidates that were tried on the way here.
     """
 
     objective: Objective
@@ -40,6 +43,8 @@ class Estimate:
     ending: Ending
     step: Step | None
     phases: Phases | None = None
+    trial: Trial | None = None
+    trace: Trace = dataclasses.field(default_factory=Trace)
 
     @property
     def problem(self) -> FieldProblem:
@@ -137,18 +142,65 @@ class Estimate:
 
     @property
     def information_criterion(self) -> float:
+        """The total of :attr:`score`."""
+        return self.score.total
+
+    @functools.cached_property
+    def score(self) -> Score:
         """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
 
-        That is half the logarithm of the determinant of the covariance of residuals, by their uncertainty and by the
-        errors that they share; what a parameter of the terms costs that is one for all of the sheet, half the
-        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978); and one for each number
-        that the data determine: by half of that a field fits their noise, and by half it misses other data with it
+        The covariance of the residuals joins, by their uncertainty and by the errors that they share, so that the score
+        does not depend on the scale of residuals. A parameter of the terms, of which the sheet has one, costs half the
+        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978). Every number that the data
+        determine costs one: by half of that a field fits their noise, and by half it misses other data with it
         (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002).
         """
-        shared = 0.0 if self.linear is None else self.linear.log_determinant
-        number, data = len(self.basis.names), max(self.problem.observed, 1)
-        independent = data * float(np.log(self.problem.sigma))
-        return self.cost + independent + 0.5 * shared + 0.5 * number * float(np.log(data)) + self.effective_parameters
+        # What is unfinished has the record of where it began.
+        if self.trial is not None and self.ending is not Ending.UNFINISHED:
+            return self.trial.score
+        problem, shared = self.problem, 0.0 if self.linear is None else self.linear.log_determinant
+        number, data = len(self.basis.names), max(problem.observed, 1)
+        of_u, of_f = (0.5 * float(r @ r) for r in self.objective.residuals(self.states, problem.sigma, self.linear))
+        relative = sum(float(np.log(boundary.relative).sum()) for boundary in problem.observations.boundaries)
+        relative += sum(float(np.log(force.sigma)) for force in problem.forces)
+        return Score(
+            displacements=of_u,
+            forces=of_f,
+            prior=self.cost - of_u - of_f,
+            noise=data * float(np.log(problem.sigma)) + relative + 0.5 * shared,
+            terms=0.5 * number * float(np.log(data)),
+            determined=self.effective_parameters,
+            places=self.places,
+        )
+
+    @property
+    def places(self) -> float:
+        """Logarithm of the number of places where an interface might be; cells of their own have none."""
+        return 0.0
+
+    def recorded(self, move: str, start: "Estimate | None" = None) -> "Estimate":
+        """The same as a candidate of the search.
+
+        Args:
+            move: what was tried, in words.
+            start: the estimate that it began from, or None for the homogeneous sheet.
+        """
+        trial = Trial(
+            move,
+            None if start is None else start.trial,
+            tuple(self.basis.terms),
+            self.material_count,
+            self.misfits,
+            self.score,
+            str(self.ending),
+        )
+        before = Trace() if start is None else start.trace
+        return dataclasses.replace(self, trial=trial, trace=(before | self.trace).with_trial(trial))
+
+    def instead_of(self, *others: "Estimate", because: str) -> "Estimate":
+        """The same, with what was tried for other estimates and why these were passed over."""
+        trace = functools.reduce(Trace.__or__, [*(each.trace for each in others), self.trace])
+        return dataclasses.replace(self, trace=trace.passed_over({each.trial: because for each in others}))
 
     @property
     def data_share(self) -> float:
@@ -208,6 +260,20 @@ class Estimate:
 def likeliest(*tried: Estimate) -> Estimate:
     """The most probable of some estimates; the first of several alike.
 
-    One that does not explain the test, or explains its noise as well, is kept only where there is no other.
+    One that does not explain the test, or explains its noise as well, is kept only where there is no other. The trace
+    of the one that is kept says why the others were not.
     """
-    return min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
+    best = min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
+    for other in tried:
+        if other.trial is not best.trial:
+            best = best.instead_of(other, because=reason_against(other, best))
+    return best
+
+
+def reason_against(other: Estimate, best: Estimate) -> str:
+    """Why one estimate is passed over for another, in words."""
+    if other.unexplained > 1.0 >= best.unexplained:
+        return "does not explain the test"
+    if other.overfitted and not best.overfitted:
+        return "explains noise as well"
+    return f"scores {other.information_criterion - best.information_criterion:+.1f} against the better one"

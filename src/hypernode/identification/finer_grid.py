@@ -31,10 +31,12 @@ def from_coarser_grid(
         return finer, True
     near = problem.certain and of_certain_phases(problem, problem_of(*first), settings, coarse, name)
     if not near:
-        return descend(problem, settings, name, coarse, (), settings.tolerance).after(coarse), False
+        return descend(problem, settings, name, coarse, (), settings.tolerance, "finer grid").after(coarse), False
     every = near.ending is Ending.CONVERGED and set(settings.terms) <= set(problem.basis.terms)
     if near.complete or (every and not near.ambiguous):
         return near, True
     loose = replace(problem.strategy, cg_tolerance=problem.strategy.cg_tolerance_of_phases)
     near = replace(near, linear=None, phases=None)
-    return descend(problem.with_strategy(loose), settings, name, near, (), settings.tolerance).after(near), False
+    return descend(
+        problem.with_strategy(loose), settings, name, near, (), settings.tolerance, "cells from phases"
+    ).after(near), False

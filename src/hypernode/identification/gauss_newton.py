@@ -12,7 +12,7 @@ from hypernode.identification.objective import Objective
 from hypernode.identification.plateau import Plateau
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
-from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, RIGID
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
 
@@ -76,6 +76,7 @@ def descend(
     before: Estimate | None,
     plateaus: tuple[Plateau, ...],
     tolerance: float,
+    move: str = "the terms from the homogeneous sheet",
 ) -> Estimate:
     """The parameter field whose equilibrium is closest to the data, and its states.
 
@@ -90,6 +91,7 @@ def descend(
         plateaus: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
+        move: what is tried, in words, for the record.
 
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
@@ -99,7 +101,7 @@ def descend(
     states = problem.equilibrium.states(params, guesses)
     if states is None and before is not None:
         # Equilibrium under other terms may be out of reach of Newton's method from there.
-        return descend(problem, settings, name, None, plateaus, tolerance)
+        return descend(problem, settings, name, None, plateaus, tolerance, move)
     if states is None:
         raise IdentificationError(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the prescribed edges "
@@ -157,8 +159,18 @@ def descend(
         linear = problem.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma, linear)
     estimate = Estimate(objective, linear, params, states, np.array(history), cost, ending, step)
+    estimate = estimate.recorded(move, before)
     say(stage, name, f"{ending} after {len(history) - 1} of at most {settings.iterations} steps: {estimate.summary}")
     return estimate
+
+
+def _bounds(problem: FieldProblem):
+    """(least, largest) parameters: beyond a level that is rigid beside the sheet's, or hardly there, no test tells."""
+    highest = problem.basis.highest
+    lowest = np.full(len(highest), -np.inf)
+    level = problem.homogeneous.params[0]
+    lowest[0], highest[0] = level - np.log(RIGID), level + np.log(RIGID)
+    return lowest, highest
 
 
 def described(problem: FieldProblem) -> str:
@@ -185,6 +197,7 @@ def _line_search(objective: Objective, linear, params, states, change, before: f
     clipped = np.clip(change, -strategy.largest_step, strategy.largest_step)
     scaled = change * min(1.0, strategy.largest_step / max(np.abs(change).max(), np.finfo(float).tiny))
     factors = [step.factor for step in linear.steps]
+    bounds = _bounds(objective.problem)
     fractions = (
         (clipped, longest * strategy.fraction ** np.arange(strategy.clipped_trials)),
         (scaled, strategy.fraction ** np.arange(strategy.scaled_trials)),
@@ -192,7 +205,7 @@ def _line_search(objective: Objective, linear, params, states, change, before: f
     for direction, lengths in fractions:
         du = linear.displacement(direction)
         for fraction in lengths:
-            trial = params + fraction * direction.reshape(params.shape)
+            trial = np.clip(params + fraction * direction.reshape(params.shape), *bounds)
             guesses = []
             for state, d in zip(states, du, strict=True):
                 guess = state.u.ravel().copy()

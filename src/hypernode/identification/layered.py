@@ -5,10 +5,8 @@ Whether the sheet is made so is no assumption: such a field is kept where it is 
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from hypernode.config.methods import Constrained
-from hypernode.identification.estimate import Estimate
+from hypernode.identification.estimate import Estimate, reason_against
 from hypernode.identification.layered_descent import LayeredDescent
 from hypernode.identification.phases import of_one_material
 
@@ -27,21 +25,35 @@ def in_layers(found: Estimate, tried: Sequence[Estimate], settings: Constrained,
     may_be = problem.noisy and not observations.own_grid and not problem.divided and observations.by_points
     if not (settings.layers and may_be) or found.unexplained > 1.0:
         return found
-    # A line pays for the places that it might be at as well: noise makes the best of many look real.
-    best, places = None, float(np.log(len(problem.mesh.cells)))
+    best = None
     for free in _in_order(found, tried):
         descent = LayeredDescent.along(best.distance, free, name) if best else LayeredDescent.of_halves(free, name)
         reached = descent and descent.end()
-        if reached is None or reached.underfitted:
+        if reached is None:
             continue
-        if best is None or reached.information_criterion < best.information_criterion:
+        reached = reached.recorded("two materials and a line", free)
+        if reached.underfitted:
+            found = found.instead_of(reached, because="does not explain the test")
+            continue
+        if best is None:
             best = reached.after(free)
-        if not best.ambiguous and best.information_criterion + places < found.information_criterion:
+        elif reached.information_criterion < best.information_criterion:
+            best = reached.after(free).instead_of(best, because=reason_against(best, reached))
+        else:
+            best = best.instead_of(reached, because=reason_against(reached, best))
+        if not best.ambiguous and best.information_criterion < found.information_criterion:
             break
     if best is None:
         return found
     plainer = [each for each in (found, of_one_material(found)) if each is not None]
-    return found if min(each.information_criterion for each in plainer) <= best.information_criterion + places else best
+    rival = min(plainer, key=lambda each: each.information_criterion)
+    if rival.information_criterion <= best.information_criterion:
+        for each in plainer[1:]:
+            found = found.instead_of(each, because=reason_against(each, found))
+        return found.instead_of(best, because=reason_against(best, rival))
+    for each in plainer:
+        best = best.instead_of(each, because=reason_against(each, best))
+    return best
 
 
 def _in_order(found: Estimate, tried: Sequence[Estimate]) -> list[Estimate]:

@@ -81,8 +81,8 @@ class LayeredDescent:
             best = ended
             materials, line, states = best.materials, best.distance, best.states
             if number >= max(1, self._measured) and _hopeless(history, strategy):
-                say("constrained field", self._name, f"no two materials and a line: misfit {history[-1]:.3g}")
-                return None
+                ending = Ending.STAGNATED
+                break
             if gained < strategy.layer_gain and number > self._measured:
                 ending = Ending.CONVERGED
                 break

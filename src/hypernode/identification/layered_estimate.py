@@ -86,6 +86,11 @@ class LayeredEstimate(Estimate):
         return samples
 
     @property
+    def places(self) -> float:
+        """A line might be at any cell: noise makes the best of many look real."""
+        return float(np.log(len(self.params)))
+
+    @property
     def layered(self) -> bool:
         """They are."""
         return True

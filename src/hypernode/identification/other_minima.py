@@ -9,7 +9,7 @@ from hypernode.identification.gauss_newton import descend
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 
-def _nearly(found: Estimate, params, settings: Constrained, name: str) -> Estimate:
+def _nearly(found: Estimate, params, settings: Constrained, name: str, move: str) -> Estimate:
     """The more probable of ``found`` and where a descent from ``params`` ends.
 
     It is tried if these cost hardly more than ``found`` does: no more than noise changes costs by chance.
@@ -18,7 +18,7 @@ def _nearly(found: Estimate, params, settings: Constrained, name: str) -> Estima
     other = found.at(params)
     if other is None or other.cost - found.cost > problem.strategy.by_chance * np.sqrt(problem.cost_of_noise):
         return found
-    reached = descend(problem, settings, name, other, (), settings.tolerance)
+    reached = descend(problem, settings, name, other, (), settings.tolerance, move)
     return likeliest(found, reached.after(found))
 
 
@@ -34,7 +34,7 @@ def with_law_of_sheet(found: Estimate, settings: Constrained, name: str) -> Esti
     other = found.at(params)
     if other is None:
         return found
-    reached = descend(problem, settings, name, other, (), settings.tolerance)
+    reached = descend(problem, settings, name, other, (), settings.tolerance, "one law for the sheet")
     return likeliest(found, reached.after(found))
 
 
@@ -49,7 +49,7 @@ def without_fibres(found: Estimate, settings: Constrained, name: str) -> Estimat
         return found
     params = found.params.copy()
     params[:, fibre] = 0.0
-    return _nearly(found, params, settings, name)
+    return _nearly(found, params, settings, name, "no fibres")
 
 
 def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
@@ -60,7 +60,9 @@ def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Es
     nor through a correlation window, where cells in between are something else.
     """
     while found.problem.sharp:
-        better = _nearly(found, found.problem.mesh.median_of_neighbours(found.params), settings, name)
+        better = _nearly(
+            found, found.problem.mesh.median_of_neighbours(found.params), settings, name, "medians of neighbours"
+        )
         if found.cost - better.cost < settings.tolerance * found.problem.cost_of_noise:
             return better
         found = better
@@ -76,9 +78,9 @@ def without_outlying_cells(found: Estimate, settings: Constrained, name: str) ->
     and interfaces that cut cells make mixtures, which are like no neighbour.
     """
     while found.problem.certain and (params := resembling(found)) is not None:
-        better = _nearly(found, params, settings, name)
-        if better is found:
-            break
+        better = _nearly(found, params, settings, name, "outlying cells like a neighbour")
+        if better.trial is found.trial:
+            return better
         found = better
     return found
 
@@ -129,7 +131,7 @@ def perturbed(found: Estimate, settings: Constrained, name: str) -> Estimate:
             "jump_scale": change.scale * settings.jump_scale,
             "iterations": min(change.iterations, settings.iterations),
         }
-        away = descend(found.problem, settings.model_copy(update=other), name, found, (), 0.0)
-        back = descend(found.problem, settings, name, away, (), settings.tolerance)
+        away = descend(found.problem, settings.model_copy(update=other), name, found, (), 0.0, "jumps at another cost")
+        back = descend(found.problem, settings, name, away, (), settings.tolerance, "jumps at their cost again")
         found = likeliest(found, back.after(found, away))
     return found

@@ -14,7 +14,7 @@ from jaxtyping import Int
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.contours import ContourModel, changes_of_field, doubtful, options_at_contours, relabelled
-from hypernode.identification.estimate import Estimate
+from hypernode.identification.estimate import Estimate, reason_against
 from hypernode.identification.few_materials import MaterialEquations, Phases, medians, split
 from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import first_field, objective_at_end
@@ -30,9 +30,13 @@ def in_phases(found: Estimate, name: str) -> Estimate:
     if not _may_be_phases(found.problem):
         return found
     best = _of_few_phases(found.objective, found.params, [state.u for state in found.states], name)
-    if best is None or best.underfitted or found.information_criterion <= best.information_criterion:
+    if best is None:
         return found
-    return best.after(found)
+    if best.underfitted:
+        return found.instead_of(best, because="does not explain the test")
+    if found.information_criterion <= best.information_criterion:
+        return found.instead_of(best, because=reason_against(best, found))
+    return best.after(found).instead_of(found, because=reason_against(found, best))
 
 
 def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate, name: str) -> Estimate | None:
@@ -52,7 +56,7 @@ def of_one_material(near: Estimate) -> Estimate | None:
     labels = np.zeros(len(near.params), dtype=int)
     materials = medians(near.problem.mesh, near.params, labels, near.basis.lowest)
     start = _reached(near.objective, Phases(labels, materials), near)
-    return start and _with_materials(start)
+    return start and _with_materials(start).recorded("one material", near)
 
 
 def _may_be_phases(problem: FieldProblem) -> bool:
@@ -77,15 +81,23 @@ def _of_few_phases(objective: Objective, params, guesses, name: str) -> Estimate
         if found is None:
             break
         found = _with_materials(found)
-        if best is not None and _criterion(best) <= _criterion(found):
+        pays = best is None or _criterion(found) < _criterion(best)
+        if pays:
+            found = _settled(found, name)
+            # Noise makes the best of many contours look real.
+            pays = best is None or _criterion(found) < _criterion(best)
+        found = found.recorded(_counted(found.material_count))
+        if not pays:
+            best = best.instead_of(found, because="one material more does not pay")
             break
-        found = _settled(found, name)
-        # Noise makes the best of many contours look real.
-        if best is not None and _criterion(best) <= _criterion(found):
-            break
-        best, guesses = found, [state.u for state in found.states]
+        best = found if best is None else found.instead_of(best, because="one material more pays")
+        guesses = [state.u for state in found.states]
         labels = split(level, found.phases.labels)
     return best
+
+
+def _counted(number: int) -> str:
+    return f"cells of {number} material" + ("" if number == 1 else "s")
 
 
 def _criterion(found: Estimate) -> float:

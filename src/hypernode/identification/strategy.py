@@ -22,7 +22,7 @@ from hypernode.data.coarsening import coarsened
 from hypernode.identification.estimate import Estimate, likeliest
 from hypernode.identification.finer_grid import from_coarser_grid
 from hypernode.identification.force_course import check_forces
-from hypernode.identification.gauss_newton import IdentificationError, descend, described
+from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
@@ -38,6 +38,7 @@ from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.subcells import rivals, subdivided
 from hypernode.identification.unstated_window import unstated_window
 from hypernode.progress import say
+from hypernode.trace import table
 from hypernode.verdict import Ending
 
 
@@ -64,21 +65,28 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         seen = window.of(measurement)
         behind = _identified(seen, settings, name, strategy)
         if behind.layered and not behind.underfitted:
-            measurement, found = seen, behind
+            measurement, found = seen, behind.instead_of(found, because=f"again behind a window of {window.side:.3g}")
+        else:
+            found = found.instead_of(behind, because="no two materials explain the test behind that window")
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         measurement = BelievedNoise(NoiseSource.INDEPENDENT).of(measurement)
-        found = _identified(measurement, settings, name, strategy)
+        again = _identified(measurement, settings, name, strategy)
+        found = again.instead_of(found, because="again with errors that nothing shares")
     refuted = refuted_noise(found, measurement)
     if refuted is not None:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: noise is not as believed; again with {refuted}")
         measurement = refuted.of(measurement)
-        found = _identified(measurement, settings, name, strategy)
+        again = _identified(measurement, settings, name, strategy)
+        found = again.instead_of(found, because=f"again with noise {refuted}")
     if found.problem.observations.contested and found.unexplained > 1.0:
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
-        found = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
+        again = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
+        found = again.instead_of(found, because="again with the error of elements beside the noise")
+    for line in table(found.trace.rows(found.trial)):
+        say("constrained", name, line)
     _warn(found, settings, name)
     return found
 
@@ -103,7 +111,8 @@ def _field(measurement, settings: Constrained, name: str, strategy: Strategy) ->
         return field_problem(measurement, settings.model_copy(update={"terms": list(terms)}), strategy=strategy)
 
     def with_terms(terms, before, plateaus, tolerance=settings.tolerance):
-        reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance)
+        move = "cells, from the homogeneous sheet" if before is None else "cells, with these terms"
+        reached = descend(problem_of(*terms), settings, name, before, plateaus, tolerance, move)
         return reached if before is None else reached.after(before)
 
     def if_in_equilibrium(terms, before, plateaus):
@@ -226,7 +235,7 @@ def _warn(found: Estimate, settings: Constrained, name: str) -> None:
     if misfit > strategy.unexplained:
         print(
             f"warning: constrained field of {name}: displacements are missed by {misfit:.1f} times their "
-            f"noise. The terms ({described(found.problem)}) do not explain this test, or "
+            f"noise. The terms ({', '.join(found.basis.terms) or 'neo-Hookean'}) do not explain this test, or "
             "the descent ended early: trust no number of this field; add further_terms or iterations",
             file=sys.stderr,
         )

@@ -38,10 +38,10 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
     terms, iterations = list(found.problem.basis.terms), min(strategy.subcells_iterations, settings.iterations)
     settings = settings.model_copy(update={"terms": terms, "iterations": iterations})
     problem = field_problem(measurement, settings, strategy.subcells, strategy)
-    found = descend(problem, settings, name, found, (), settings.tolerance).after(found)
+    found = descend(problem, settings, name, found, (), settings.tolerance, "divided cells").after(found)
     misfit = float(found.history[-1])
     if problem.noisy or misfit > strategy.overestimated:
         return found
     error = max(misfit, strategy.smallest_reestimate) * problem.sigma
     problem = field_problem(measurement, settings, strategy.subcells, strategy, error)
-    return descend(problem, settings, name, found, (), settings.tolerance).after(found)
+    return descend(problem, settings, name, found, (), settings.tolerance, "smaller error of elements").after(found)

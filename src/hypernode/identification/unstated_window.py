@@ -20,6 +20,7 @@ from hypernode.identification.objective import white_residuals
 from hypernode.identification.observations import Observations, observe, seen_points
 from hypernode.identification.problem import FieldProblem
 from hypernode.progress import say
+from hypernode.verdict import Ending
 
 
 def unstated_window(
@@ -83,7 +84,7 @@ class DescentOfWindow:
             else:
                 descent = LayeredDescent.along(best.distance, free, self._name)
             reached = descent and descent.end()
-            if reached is None:
+            if reached is None or (reached.underfitted and reached.ending is Ending.STAGNATED):
                 return None
             best = reached
             change, error = self._newton(best)

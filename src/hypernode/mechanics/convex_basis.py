@@ -57,6 +57,8 @@ TURNING = 0.004
 SMALLEST = 0.005
 #: Times this below zero a coefficient is a quarter of that, and has a twentieth of its slope.
 NONE = 4.0
+#: Ratio of stiffness from which the softer side takes all of the deformation to four digits, which no camera tells.
+RIGID = 1e4
 #: Term -> names of its parameters and where an identification starts from.
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},
@@ -120,6 +122,11 @@ class ConvexBasis:
     def lowest(self) -> Float[np.ndarray, " parameter"]:
         """Below which coefficients are none and have no slope; minus infinity for other parameters."""
         return np.where(np.isin(self.names, list(LETTERS.values())), -NONE * SMALLEST, -np.inf)
+
+    @property
+    def highest(self) -> Float[np.ndarray, " parameter"]:
+        """Up to which coefficients, relative to the level, can be told from rigid; infinity for other parameters."""
+        return np.where(np.isin(self.names, list(LETTERS.values())), np.log1p(RIGID), np.inf)
 
     @property
     def has_fibres(self) -> bool:

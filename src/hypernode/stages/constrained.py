@@ -15,6 +15,7 @@ from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
+from hypernode.trace import stored
 
 
 def run(settings: Constrained, name: str, measurement_file: str, output: str, attributes: dict) -> None:
@@ -41,6 +42,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         variables |= _posterior(found, settings)
     if found.layered:
         variables |= {"P_jump": found.jump_stress(F)} | mixture_content(found.basis, found.free.params)
+    variables |= _geometry(found)
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
@@ -55,6 +57,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **kind,
             **measures,
             **_ending(found),
+            "trace": stored(found.trace.rows(found.trial)),
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
             "displacement_sigma": problem.sigma,
@@ -68,6 +71,14 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
         },
         parents=[measurement_file],
     )
+
+
+def _geometry(found) -> dict:
+    """Which material every cell is of, and where the line between two materials runs; none of cells of their own."""
+    if found.layered:
+        share = found.params[:, found.problem.basis.names.index("share")]
+        return {"material_label": (share < 0.5).astype(np.int16), "interface_distance": found.distance}
+    return {} if found.phases is None else {"material_label": found.phases.labels.astype(np.int16)}
 
 
 def _posterior(found, settings: Constrained) -> dict:

@@ -151,6 +151,12 @@ VARIABLES = {
     # training
     "loss": Variable(("iteration",), "1", "training loss"),
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
+    "material_label": Variable(
+        ("cell",), "1", "number of the material of a cell, from 0; where a line cuts it, the one that has more of it"
+    ),
+    "interface_distance": Variable(
+        ("node",), "1", "signed distance from the line between two materials in sides of a cell, positive in material 0"
+    ),
     "local_misfit": Variable(
         ("cell",),
         "1",

@@ -1,5 +1,6 @@
 """What a column of a table is: the number it takes from a result file, its unit, and how that number is printed."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -59,7 +60,9 @@ class Column:
 
 
 def significant(value: float) -> str:
-    """A number with three significant digits, never with an exponent."""
+    """A number with three significant digits, never with an exponent; what is no number is said to be none."""
+    if not math.isfinite(value):
+        return "no number"
     if value == 0:
         return "0"
     if abs(value) < float(SMALLEST):

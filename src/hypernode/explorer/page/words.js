@@ -109,5 +109,8 @@ function writeNotes() {
     ]);
     return table(heads, rows, caption);
   });
+  $("trace").innerHTML = everyRun(({ trace }, caption) =>
+    trace ? table(trace.heads, trace.rows, caption) : "<p>This method keeps no record of candidates.</p>",
+  );
   $("facts").innerHTML = everyRun(({ facts }, caption) => table([], facts, caption));
 }
