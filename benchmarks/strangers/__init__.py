@@ -1,4 +1,4 @@
-"""An acceptance study: known sheets that share neither finite elements nor laws with the project, identified from files.
+"""An acceptance study: known sheets of other finite elements and laws than the project's, identified from files.
 
 Usage: python -m benchmarks.strangers SEED [SEED ...]
 """

@@ -128,8 +128,9 @@ def _islands(rng, phases):
     width, shares = rng.uniform(0.09, 0.16), rng.uniform(0.12, 0.3, 2)
 
     def bumps(x):
-        distance = ((x[:, None] - centres) ** 2).sum(axis=2)
-        return np.exp(-distance / (2 * width**2)) @ heights
+        return sum(
+            h * np.exp(-((x - c) ** 2).sum(axis=1) / (2 * width**2)) for c, h in zip(centres, heights, strict=True)
+        )
 
     at = (np.arange(60) + 0.5) / 60
     everywhere = bumps(np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2))
@@ -153,10 +154,9 @@ def _strokes(rng, phases):
     def label(x):
         found = np.zeros(len(x), int)
         for k, (points, half) in enumerate(curves, start=1):
-            begin, along = points[:-1], np.diff(points, axis=0)
-            share = ((x[:, None] - begin) * along).sum(axis=2) / (along**2).sum(axis=1)
-            nearest = begin + np.clip(share, 0.0, 1.0)[..., None] * along
-            found[((x[:, None] - nearest) ** 2).sum(axis=2).min(axis=1) < half**2] = k
+            for begin, along in zip(points[:-1], np.diff(points, axis=0), strict=True):
+                share = np.clip((x - begin) @ along / (along @ along), 0.0, 1.0)
+                found[((x - begin - share[:, None] * along) ** 2).sum(axis=1) < half**2] = k
         return found
 
     return label

@@ -1,5 +1,6 @@
 """One sheet from its seed to its score, in a process of its own."""
 
+import hashlib
 import json
 import os
 import resource
@@ -47,6 +48,7 @@ def main(seed: int, folder: Path) -> None:
     if not (run / "evaluation.nc").is_file():
         raise Failed(_reason(folder / "brought" / "workflow.log"))
     known = {
+        "code": _version(),
         **{"seed": seed, "shape": sheet.shape, "law": sheet.kind, "load": sheet.load, "laws": sheet.phases},
         **{"points": sheet.points, "top": sheet.top, "seen": sheet.seen, "window": sheet.window, "noise": sheet.noise},
     }
@@ -71,6 +73,14 @@ def _identified(brought: Path) -> tuple[int, dict]:
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return done.returncode, {"cpu_s": cpu, "clock_s": time.perf_counter() - begun}
+
+
+def _version() -> str:
+    """One text for the package's code and how a sheet is made and scored."""
+    digest = hashlib.sha256()
+    for file in sorted([*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.yaml"), *Path(__file__).parent.glob("*.py")]):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def _reason(log: Path) -> str:

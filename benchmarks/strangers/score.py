@@ -65,7 +65,7 @@ def relative_error(P, true, cells) -> float:
 
 
 def _coverage(constrained, field, truth: dict) -> dict:
-    """Share of cells off interfaces whose true stress is within two spreads of the field, by mode; none without samples.
+    """Share of cells off interfaces whose true stress is within two spreads, by mode; none without samples.
 
     The spread of a cell is the standard deviation of its posterior samples.
     """
