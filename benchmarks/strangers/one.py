@@ -63,7 +63,8 @@ def _identified(brought: Path) -> tuple[int, dict]:
     """(exit code of the workflow on one core, its seconds by processor and clock)."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "1"]
     command += ["--workflow-profile", str(ROOT / "profiles" / "default"), "--quiet", "rules", "host", "reason"]
-    command += ["--configfile", "sheet.yaml"]
+    # A study that was killed leaves a lock and half a file; nobody else works in this folder.
+    command += ["--nolock", "--rerun-incomplete", "--configfile", "sheet.yaml"]
     source = os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])
     before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     with (brought / "workflow.log").open("w") as log:
