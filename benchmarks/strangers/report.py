@@ -4,6 +4,7 @@ from collections import Counter
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from benchmarks.strangers.write import MODES
 from hypernode.figures.style import INCLUSION, MATRIX, NEUTRAL, RC, SECOND
@@ -117,6 +118,12 @@ def draw(rows: list[dict]):
             for bound, style in ((RIGHT, ":"), (WRONG, "--")):
                 axes.axhline(bound, color=NEUTRAL, lw=0.6, ls=style)
         by_time.set(xscale="log", xlabel="error off interfaces [-]", ylabel="processor [s]")
+        by_verdict.set_xlim(Level.PASSED.rank - 0.5, Level.FAILED.rank + 0.5)
+        for axis in (by_sheet.yaxis, by_verdict.yaxis, by_time.xaxis):
+            # Less than a decade has few powers of ten.
+            axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+            axis.set_minor_formatter(NullFormatter())
         by_time.axhline(np.median([row["cpu_s"] for row in good]) if good else 0.0, color=MATRIX, lw=0.6)
         by_time.set_ylim(bottom=0.0)
         figure.legend(*by_sheet.get_legend_handles_labels(), loc="outside upper center", ncols=3)
