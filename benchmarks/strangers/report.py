@@ -4,7 +4,7 @@ from collections import Counter
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from benchmarks.strangers.write import MODES
 from hypernode.figures.style import INCLUSION, MATRIX, NEUTRAL, RC, SECOND
@@ -121,7 +121,7 @@ def draw(rows: list[dict]):
         by_verdict.set_xlim(Level.PASSED.rank - 0.5, Level.FAILED.rank + 0.5)
         for axis in (by_sheet.yaxis, by_verdict.yaxis, by_time.xaxis):
             # Less than a decade has few powers of ten.
-            axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+            axis.set_major_locator(FixedLocator([0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0]))
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
             axis.set_minor_formatter(NullFormatter())
         by_time.axhline(np.median([row["cpu_s"] for row in good]) if good else 0.0, color=MATRIX, lw=0.6)
