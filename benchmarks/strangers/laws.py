@@ -1,0 +1,108 @@
+"""Incompressible plane-stress laws of the sheets, as energies of the in-plane deformation gradient. Stresses in MPa.
+
+They are written from their textbook form, and nothing of the project's own mechanics is imported here.
+"""
+
+from collections.abc import Callable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+#: Largest share of a Gent chain's limit that is evaluated; beyond it the energy is infinite.
+_LOCKED = 1.0 - 1e-9
+#: Series of the inverse Langevin function: coefficients of (I1^n - 3^n) / N^(n - 1).
+_CHAIN = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)
+
+
+def _invariants(C):
+    """(I1, I2) of a sheet whose thickness keeps the volume."""
+    trace, area = jnp.trace(C), jnp.linalg.det(C)
+    return trace + 1.0 / area, area + trace / area
+
+
+def neo_hookean(C, p):
+    """mu / 2 (I1 - 3)."""
+    return p["mu"] / 2 * (_invariants(C)[0] - 3.0)
+
+
+def mooney_rivlin(C, p):
+    """mu / 2 ((1 - share) (I1 - 3) + share (I2 - 3))."""
+    I1, I2 = _invariants(C)
+    return p["mu"] / 2 * ((1.0 - p["share"]) * (I1 - 3.0) + p["share"] * (I2 - 3.0))
+
+
+def yeoh(C, p):
+    """mu / 2 (I1 - 3) + mu second (I1 - 3)^2 + mu third (I1 - 3)^3."""
+    e = _invariants(C)[0] - 3.0
+    return p["mu"] * (e / 2 + p["second"] * e**2 + p["third"] * e**3)
+
+
+def goh(C, p):
+    """A neo-Hookean matrix with one dispersed family of fibres that bears no pressure."""
+    I1, _ = _invariants(C)
+    fibre = jnp.array([jnp.cos(p["angle"]), jnp.sin(p["angle"])])
+    E = p["kappa"] * (I1 - 3.0) + (1.0 - 3.0 * p["kappa"]) * (fibre @ C @ fibre - 1.0)
+    fibres = p["k1"] / (2.0 * p["k2"]) * jnp.expm1(p["k2"] * jnp.maximum(E, 0.0) ** 2)
+    return p["mu"] * ((I1 - 3.0) / 2 + fibres)
+
+
+def ogden(C, p):
+    """2 mu / alpha^2 (sum of stretch^alpha - 3)."""
+    mean, area = jnp.trace(C) / 2, jnp.linalg.det(C)
+    # Smooth where both stretches are equal; off by less than rounding of the solver elsewhere.
+    radius = jnp.sqrt(((C[0, 0] - C[1, 1]) / 2) ** 2 + C[0, 1] ** 2 + 1e-12)
+    half = p["alpha"] / 2
+    return p["mu"] / (2 * half**2) * ((mean + radius) ** half + (mean - radius) ** half + area**-half - 3.0)
+
+
+def arruda_boyce(C, p):
+    """Five terms of the eight-chain model whose chains have N links."""
+    I1, _ = _invariants(C)
+    return p["mu"] * sum(c * (I1**n - 3.0**n) / p["N"] ** (n - 1) for n, c in enumerate(_CHAIN, start=1))
+
+
+def gent(C, p):
+    """-mu J / 2 log(1 - (I1 - 3) / J)."""
+    used = (_invariants(C)[0] - 3.0) / p["J"]
+    inside = jnp.where(used < _LOCKED, used, 0.0)
+    return jnp.where(used < _LOCKED, -p["mu"] * p["J"] / 2 * jnp.log1p(-inside), jnp.inf)
+
+
+#: Kind -> (energy, bounds between which its parameters besides mu are drawn).
+LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
+    "neo_hookean": (neo_hookean, {}),
+    "mooney_rivlin": (mooney_rivlin, {"share": (0.1, 0.5)}),
+    "yeoh": (yeoh, {"second": (0.05, 0.25), "third": (0.0, 0.05)}),
+    "goh": (goh, {"k1": (0.1, 0.5), "k2": (0.2, 2.0), "kappa": (0.0, 0.2), "angle": (-1.5, 1.5)}),
+    "ogden": (ogden, {"alpha": (2.8, 5.5)}),
+    "arruda_boyce": (arruda_boyce, {"N": (2.0, 6.0)}),
+    "gent": (gent, {"J": (2.5, 6.0)}),
+}
+
+
+def energy(kind: str, laws: dict, F, weight):
+    """Energy density of one point: that of each law [MPa], by its weight there.
+
+    Args:
+        kind: key of :data:`LAWS`.
+        laws: parameter -> its value in every law (law,).
+        F: in-plane deformation gradient (2, 2).
+        weight: of every law (law,), summing to one.
+    """
+    each = jax.vmap(partial(LAWS[kind][0], F.T @ F))(laws)
+    # A law that is not here may be beyond its limit.
+    return jnp.sum(jnp.where(weight > 0.0, weight * each, 0.0))
+
+
+@partial(jax.jit, static_argnames="kind")
+def _stress(kind: str, laws: dict, F, weight):
+    return jax.vmap(jax.grad(energy, argnums=2), (None, None, 0, 0))(kind, laws, F, weight)
+
+
+def stress(kind: str, laws: dict, F, weight) -> np.ndarray:
+    """First Piola-Kirchhoff stress [MPa] (..., point, 2, 2) at F (..., point, 2, 2) with weights (point, law)."""
+    F = np.asarray(F, float)
+    weights = np.broadcast_to(weight, (*F.shape[:-2], weight.shape[-1])).reshape(-1, weight.shape[-1])
+    return np.asarray(_stress(kind, laws, F.reshape(-1, 2, 2), weights)).reshape(F.shape)
