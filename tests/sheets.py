@@ -56,7 +56,7 @@ def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), 
             "correlation_window": window,
             "thickness": 1.0,
             "outline": "edge",
-            "grid": "measured" if window else "computed",
+            "mesh": "finer" if window else "measured_grid",
             "forces": "measured",
         },
     )

@@ -8,7 +8,7 @@ import pytest
 
 from hypernode.commands.explain import reasons
 from hypernode.config.methods import Constrained
-from hypernode.identification.estimate import likeliest
+from hypernode.identification.choice import likeliest
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.problem import field_problem
 from hypernode.mechanics.loads import make_load

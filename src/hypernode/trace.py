@@ -4,6 +4,7 @@ A candidate is recorded once, where its descent ends. Estimates carry the record
 one which is kept in the end tells the whole search.
 """
 
+import itertools
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -57,6 +58,7 @@ class Trial:
         misfits: root mean square over the uncertainty, by name.
         score: None where a search ended without an equilibrium.
         ending: how its descent ended.
+        order: of when it was tried among all others.
     """
 
     move: str
@@ -66,6 +68,7 @@ class Trial:
     misfits: Mapping[str, float]
     score: Score
     ending: str
+    order: int = field(default_factory=itertools.count().__next__)
 
 
 @dataclass(frozen=True)
@@ -99,13 +102,15 @@ class Trace:
         Args:
             kept: the candidate that is the answer.
         """
-        number = {trial: k + 1 for k, trial in enumerate(self.reasons)}
+        in_order = sorted(self.reasons, key=lambda trial: trial.order)
+        number = {trial: k + 1 for k, trial in enumerate(in_order)}
         led, each = set(), kept
         while each is not None:
             led.add(each)
             each = each.start
         rows = []
-        for trial, reason in self.reasons.items():
+        for trial in in_order:
+            reason = self.reasons[trial]
             if trial is kept:
                 reason = KEPT
             elif trial in led or not reason:

@@ -24,7 +24,7 @@ def test_a_coarse_cell_is_as_thick_as_its_parts_and_may_be_cut_by_interfaces():
     thick = data.assign(relative_thickness=("cell", 1.0 + mesh.centres[:, 0]))
     coarse = coarsened(thick)
     np.testing.assert_allclose(coarse["relative_thickness"], 1.0 + mesh_of(coarse).centres[:, 0])
-    assert coarse.attrs["grid"] == "measured"
+    assert coarse.attrs["mesh"] == "finer"
 
 
 def test_a_coarse_cell_of_which_a_part_is_missing_is_none():

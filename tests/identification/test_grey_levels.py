@@ -61,7 +61,7 @@ def field_of(problem, params):
 def test_information_of_independent_nodes_weighs_as_points_do_but_for_cells_at_prescribed_edges():
     data, mesh, params = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-3)
     informed, share = of_points(data, 1e-3)
-    problem = field_problem(informed.assign_attrs(grid="measured"), SETTINGS)
+    problem = field_problem(informed.assign_attrs(mesh="finer"), SETTINGS)
     _, states = field_of(problem, params)
     residuals, _ = problem.residuals(states)
     inner = ((mesh.centres > 1 / 6) & (mesh.centres < 5 / 6)).all(axis=1)
@@ -153,7 +153,7 @@ def test_a_disc_is_identified_from_pictures_without_points_between():
         edge_constrained=(("load_step", "edge", "i"), held),
         edge_force=(("load_step", "edge", "i"), force),
     )
-    told = with_information(told, information).assign_attrs(outline="cut", grid="measured", force_uncertainty=0.01)
+    told = with_information(told, information).assign_attrs(outline="cut", mesh="finer", force_uncertainty=0.01)
     found = identify(told, Constrained(terms=[], iterations=30), "disc")
     mesh, stiffness = found.problem.mesh, found.params[:, 0]
     far = np.abs(np.sqrt(((mesh.centres - (0.52, 0.47)) ** 2).sum(axis=1)) - 0.24) > 0.06

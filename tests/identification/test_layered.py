@@ -33,7 +33,7 @@ def free_field(inclusion, *terms):
     settings = SETTINGS.model_copy(update={"terms": list(terms)})
     data, share = observed_coarsely(CELLS, inclusion, make_load("equibiaxial", [1.05, 1.1, 1.15]), 0.0)
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
-    data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE).assign_attrs(grid="measured")
+    data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE).assign_attrs(mesh="finer")
     problem = field_problem(data, settings)
     assert problem.noisy and not problem.observations.own_grid
     return descend(problem, settings, "sheet", None, (), settings.tolerance), share

@@ -84,26 +84,26 @@ def test_what_was_measured_is_described_as_well_as_cells_are_small_and_what_was_
     computed, measured = [], []
     for cells in (6, 12):
         data, _, _ = sheet(cells, square, load)
-        for each, found in (("computed", computed), ("measured", measured)):
-            found.append(field_problem(data.assign_attrs(grid=each), SETTINGS))
+        for each, found in (("measured_grid", computed), ("finer", measured)):
+            found.append(field_problem(data.assign_attrs(mesh=each), SETTINGS))
     assert computed[0].sigma == pytest.approx(computed[1].sigma, rel=1e-3)
     assert measured[0].sigma == pytest.approx(2.0 * measured[1].sigma, rel=1e-3)
     assert measured[1].sigma > 50.0 * computed[1].sigma
     assert all(each.blurred and not each.noisy for each in measured) and not computed[0].blurred
-    divided = field_problem(data.assign_attrs(grid="measured"), SETTINGS, 2)
+    divided = field_problem(data.assign_attrs(mesh="finer"), SETTINGS, 2)
     assert divided.sigma < 0.5 * measured[1].sigma
 
 
 def test_noise_that_hides_what_finite_elements_miss_is_all_that_counts():
     data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.1]), noise=3e-3)
-    problem = field_problem(data.assign_attrs(grid="measured"), SETTINGS)
+    problem = field_problem(data.assign_attrs(mesh="finer"), SETTINGS)
     assert problem.noisy and problem.sharp and problem.sigma == pytest.approx(3e-3)
     assert not problem.observations.contested
 
 
 def test_noise_as_large_as_finite_elements_may_really_miss_rules_at_first():
     data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.1]), noise=4e-4)
-    measured = data.assign_attrs(grid="measured")
+    measured = data.assign_attrs(mesh="finer")
     at_first = field_problem(measured, SETTINGS)
     assert at_first.noisy and at_first.observations.contested and at_first.sigma == pytest.approx(4e-4)
     then = field_problem(measured, SETTINGS, strategy=replace(STRATEGY, noise_rules=1.0))

@@ -218,7 +218,7 @@ def test_what_is_identified_of_a_noisy_sheet_of_two_materials_are_its_phases():
 def test_no_phases_are_looked_for_where_interfaces_may_cut_cells():
     settings = Constrained(terms=[])
     data, _ = observed_coarsely(8, square, make_load("equibiaxial", [1.05, 1.1]), 0.0)
-    problem = field_problem(believed(data, 1e-3).assign_attrs(grid="measured"), settings)
+    problem = field_problem(believed(data, 1e-3).assign_attrs(mesh="finer"), settings)
     assert problem.sharp
     found = descend(problem, settings, "sheet", None, (), settings.tolerance)
     assert in_phases(found, "sheet").trial is found.trial

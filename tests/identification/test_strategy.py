@@ -11,7 +11,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from hypernode.config.methods import Constrained, Node
-from hypernode.identification.estimate import likeliest
+from hypernode.identification.choice import likeliest
 from hypernode.identification.gauss_newton import descend, first_field
 from hypernode.identification.plateau import Plateau
 from hypernode.identification.problem import field_problem

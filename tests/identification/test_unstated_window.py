@@ -26,7 +26,7 @@ def seen_through(window, uncertainty=0.25, inclusion=disc):
     data, _ = observed_coarsely(CELLS, inclusion, make_load("equibiaxial", [1.05, 1.1, 1.15]), window)
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
     data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE)
-    data = data.assign_attrs(grid="measured", correlation_window=0.0, window_uncertainty=uncertainty)
+    data = data.assign_attrs(mesh="finer", correlation_window=0.0, window_uncertainty=uncertainty)
     problem = field_problem(data, SETTINGS)
     return data, descend(problem, SETTINGS, "sheet", None, (), SETTINGS.tolerance)
 

@@ -1,8 +1,12 @@
 """A measurement that is exported is read back to the same bits, and the configuration beside it imports it."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import hypernode
 from hypernode import cli
 from hypernode.config.sources import read_yaml
 from hypernode.config.specimens import Specimen
@@ -14,7 +18,9 @@ from hypernode.dic.specimen import import_specimen
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
 from hypernode.mechanics.loads import CONSTRAINED, make_load
 from hypernode.stages import export_csv
+from hypernode.stages.imported_sheet import attributes_of, variables_of
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, SYNTHETIC_UNITS, read, write
+from tests.sheets import sheet
 
 X, Y = np.arange(7) / 6.0, np.linspace(0.0, 1.4, 9)
 # What a general test does to a sheet, no kind of load says.
@@ -202,3 +208,29 @@ def test_a_sheet_whose_force_nobody_recorded_is_written_without_a_record(tmp_pat
     written = export_csv.run(other, tmp_path / "out")
     (specimen,) = read_yaml(written).content["specimens"].values()
     assert specimen["force_file"] is None and not (tmp_path / "out/test0/force_disp.csv").exists()
+
+
+def test_an_export_is_imported_as_the_same_measurement_with_what_was_stated_of_its_mesh(tmp_path):
+    data, *_ = sheet(8, lambda X: X[:, 0], make_load("equibiaxial", [1.1, 1.2]), terms=())
+    variables = {name: variable.values for name, variable in data.variables.items()}
+    path = tmp_path / "results/sheet/measurement.nc"
+    stated = {"units": EXPERIMENT_UNITS, "load_cases": ["equibiaxial"]}
+    write(path, variables, "synthetic measurement of sheet", data.attrs | stated)
+    content, _ = exported(path, tmp_path)
+    specimen = Specimen(**content)
+    imported = import_specimen(specimen, None)
+    found, attributes = variables_of(imported, np.zeros(2)), attributes_of(specimen, imported, np.zeros(2))
+    for name in ("X", "cells", "u_measured", "load_case", "edge_constrained", "relative_thickness"):
+        np.testing.assert_array_equal(found[name], variables[name])
+    for name in ("edge_force", "H", "stretch", "noise_level"):
+        np.testing.assert_allclose(found[name], variables[name], rtol=1e-9, atol=1e-14)
+    for name in ("mesh", "noise_uncertainty", "outline", "thickness", "force_uncertainty", "correlation_window"):
+        assert attributes[name] == data.attrs[name]
+
+
+def test_no_module_that_identifies_reads_where_a_measurement_came_from():
+    package = Path(hypernode.__file__).parent
+    asked = re.compile(r"attrs(\[|\.get\()\"(title|source|history|rule|parents|raw_inputs|noise_sources)\"")
+    rooms = ("identification", "training", "polishing", "data", "advice")
+    told = [file for room in rooms for file in (package / room).rglob("*.py") if asked.search(file.read_text())]
+    assert told == []

@@ -114,7 +114,7 @@ def test_forces_are_the_share_that_the_grid_carries_and_the_outline_is_no_edge(t
     np.testing.assert_allclose(force[:, EDGE_NAMES.index("top"), 1], PULL * mesh.size[0] / 1.2)
     np.testing.assert_allclose(force[:, EDGE_NAMES.index("left"), 0], -PULL * mesh.size[1] / 1.0)
     assert np.isnan(force[:, EDGE_NAMES.index("right"), 1]).all()
-    assert found.attrs["outline"] == "cut" and found.attrs["grid"] == "measured"
+    assert found.attrs["outline"] == "cut" and found.attrs["mesh"] == "finer"
     # A subset of 15 pixels of 0.01, as wide as the engine is measured to see it.
     assert found.attrs["correlation_window"] == pytest.approx(0.15 * 0.98)
     assert found.attrs["correlation_kernel"] == "average"

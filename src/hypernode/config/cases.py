@@ -26,6 +26,9 @@ class Sheet(Section):
     """Ratio of the last to the first cell's side along x and y."""
     camera: Camera | None = None
     """Measured grid; left out, displacements are measured at the nodes of the finite elements."""
+    mesh: Literal["finer", "measured_grid"] = "measured_grid"
+    """What an identification is told of the displacements of a synthetic case without camera: measured_grid, that they
+    are those of finite elements on the grid; or finer, nothing, as of a sheet in a laboratory."""
     methods: list[str] = ["hypernode"]
     """Presets, or methods of this configuration, that identify the material."""
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from hypernode.config.section import NonNegative, NonNegativeInt, Positive
+from hypernode.config.section import Fraction, NonNegative, NonNegativeInt, Positive
 from hypernode.config.specimen_tests import SELECTIONS, SpecimenTest
 
 
@@ -39,6 +39,12 @@ class Specimen(SpecimenTest):
     correlation_kernel: Literal["average", "quadratic"] = "average"
     """What it does over that window: average, as subsets that deform affinely do, or quadratic, the middle of a
     quadratic fit, as subsets of second order do."""
+    mesh: Literal["finer", "measured_grid"] = "finer"
+    """What the displacements come from: finer, a sheet or a mesh whose interfaces may cut cells of the grid; or
+    measured_grid, bilinear finite elements whose nodes are the points, so that none does."""
+    noise_uncertainty: Fraction = 0.05
+    """Relative standard deviation of the noise level itself: estimates from frames of known noise scatter by 0.05; 0
+    where errors were drawn with a known level."""
     shape_image: str | None = None
     """Image of the printed inclusion, with which the identified one is compared."""
     shape_flipped: bool = False

@@ -28,7 +28,7 @@ def coarsened(measurement: xr.Dataset) -> xr.Dataset:
         measurement.drop_vars(fine)
         .isel(node=mesh.node_numbers[row, column])
         .assign(cells=(("cell", "vertex"), coarse.cells), relative_thickness=("cell", thickness))
-        .assign_attrs(grid="measured")
+        .assign_attrs(mesh="finer")
     )
 
 

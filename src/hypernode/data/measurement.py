@@ -95,8 +95,8 @@ def noise_uncertainty(measurement: xr.Dataset) -> float:
 
 
 def is_on_its_own_grid(measurement: xr.Dataset) -> bool:
-    """Whether displacements were computed by finite elements on the measured grid: no interface then cuts a cell."""
-    return measurement.attrs["grid"] == "computed"
+    """Whether it is stated that displacements are those of finite elements on the measured grid: none cuts a cell."""
+    return measurement.attrs["mesh"] == "measured_grid"
 
 
 def is_cut_out(measurement: xr.Dataset) -> bool:

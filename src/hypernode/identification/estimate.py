@@ -10,6 +10,7 @@ from jaxtyping import Float
 from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
+from hypernode.identification.score import score_of
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.trace import Score, Trace, Trial
@@ -147,28 +148,16 @@ class Estimate:
 
     @functools.cached_property
     def score(self) -> Score:
-        """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
-
-        The covariance of the residuals joins, by their uncertainty and by the errors that they share, so that the score
-        does not depend on the scale of residuals. A parameter of the terms, of which the sheet has one, costs half the
-        logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978). Every number that the data
-        determine costs one: by half of that a field fits their noise, and by half it misses other data with it
-        (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002).
-        """
+        """:func:`~hypernode.identification.score.score_of`, once for all that have one record."""
         # What is unfinished has the record of where it began.
         if self.trial is not None and self.ending is not Ending.UNFINISHED:
             return self.trial.score
-        problem, shared = self.problem, 0.0 if self.linear is None else self.linear.log_determinant
-        number, data = len(self.basis.names), max(problem.observed, 1)
-        of_u, of_f = (0.5 * float(r @ r) for r in self.objective.residuals(self.states, problem.sigma, self.linear))
-        relative = sum(float(np.log(boundary.relative).sum()) for boundary in problem.observations.boundaries)
-        relative += sum(float(np.log(force.sigma)) for force in problem.forces)
-        return Score(
-            displacements=of_u,
-            forces=of_f,
-            prior=self.cost - of_u - of_f,
-            noise=data * float(np.log(problem.sigma)) + relative + 0.5 * shared,
-            terms=0.5 * number * float(np.log(data)),
+        return score_of(
+            self.problem,
+            white=self.objective.residuals(self.states, self.problem.sigma, self.linear),
+            cost=self.cost,
+            shared=0.0 if self.linear is None else self.linear.log_determinant,
+            terms=len(self.basis.names),
             determined=self.effective_parameters,
             places=self.places,
         )
@@ -255,25 +244,3 @@ class Estimate:
     def after(self, *earlier: "Estimate") -> "Estimate":
         """The same with the history of the descents that led to its start before its own."""
         return dataclasses.replace(self, history=np.concatenate([*(each.history for each in earlier), self.history]))
-
-
-def likeliest(*tried: Estimate) -> Estimate:
-    """The most probable of some estimates; the first of several alike.
-
-    One that does not explain the test, or explains its noise as well, is kept only where there is no other. The trace
-    of the one that is kept says why the others were not.
-    """
-    best = min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
-    for other in tried:
-        if other.trial is not best.trial:
-            best = best.instead_of(other, because=reason_against(other, best))
-    return best
-
-
-def reason_against(other: Estimate, best: Estimate) -> str:
-    """Why one estimate is passed over for another, in words."""
-    if other.unexplained > 1.0 >= best.unexplained:
-        return "does not explain the test"
-    if other.overfitted and not best.overfitted:
-        return "explains noise as well"
-    return f"scores {other.information_criterion - best.information_criterion:+.1f} against the better one"

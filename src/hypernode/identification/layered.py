@@ -6,7 +6,8 @@ Whether the sheet is made so is no assumption: such a field is kept where it is 
 from collections.abc import Sequence
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.estimate import Estimate, reason_against
+from hypernode.identification.choice import reason_against
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.layered_descent import LayeredDescent
 from hypernode.identification.phases import of_one_material
 

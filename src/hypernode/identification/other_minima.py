@@ -4,7 +4,8 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.identification.estimate import Estimate, likeliest
+from hypernode.identification.choice import likeliest
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.gauss_newton import descend
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 

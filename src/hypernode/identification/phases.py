@@ -13,8 +13,9 @@ import scipy.sparse
 from jaxtyping import Int
 
 from hypernode.config.methods import Constrained
+from hypernode.identification.choice import reason_against
 from hypernode.identification.contours import ContourModel, changes_of_field, doubtful, options_at_contours, relabelled
-from hypernode.identification.estimate import Estimate, reason_against
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import MaterialEquations, Phases, medians, split
 from hypernode.identification.foresight import Foresight
 from hypernode.identification.gauss_newton import first_field, objective_at_end

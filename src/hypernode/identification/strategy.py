@@ -19,7 +19,8 @@ from dataclasses import replace
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.coarsening import coarsened
-from hypernode.identification.estimate import Estimate, likeliest
+from hypernode.identification.choice import likeliest
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.finer_grid import from_coarser_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend

@@ -10,9 +10,8 @@ fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It give
 their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
 or turn. The family across, N, comes with the share q of their strength and ends where they do.
 
-With the term stiffening the squares of the fibres' strains become exponentials, as those of tissues have them, and with
-I1_stiffening that of E = I1 - 3 becomes the exponential without its first two terms, as in Demiray's law, each with a
-positive h of its own,
+With the term stiffening the squares of the fibres' strains become exponentials, as in tissues. With I1_stiffening that
+of E = I1 - 3 becomes the exponential without its first two terms, as in Demiray's law. Each has a positive h,
 
 E^2 -> s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h,
 E^2 -> 2 s^2 (exp(h E / s) - 1 - h E / s) exp(-h / 8^0.5) / h^2,
@@ -32,8 +31,7 @@ alone, tr C - 2 J, and the area has an energy of its own, with J in the plane an
 
 Psi_J = c [ 2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3) ].
 
-With c3 = 1 and c4 = 0 a neo-Hookean sheet keeps its thickness when its area grows, with c3 = 0 and c4 = 1 its volume;
-any other does something in between.
+With c3 = 1 and c4 = 0 a neo-Hookean sheet keeps its thickness when its area grows, with c3 = 0 and c4 = 1 its volume.
 """
 
 from dataclasses import dataclass
@@ -49,11 +47,9 @@ from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
 ROUNDING = 0.02
-#: Length of the fibre vector below which they lose their alignment, a fifth of it: at all of it the stress of weak
-#: fibres was off by more than noisy tests leave open; a quarter of this one gave nothing more.
+#: Length of the fibre vector below which fibres lose their alignment: a fifth of their least strength.
 TURNING = 0.004
-#: Coefficients below this size approach zero gradually. They vanish at finite parameters, not at minus
-#: infinity: logarithms stop a search that has to take a term away.
+#: Coefficients below this size approach zero gradually, at finite parameters: at minus infinity a search would stop.
 SMALLEST = 0.005
 #: Times this below zero a coefficient is a quarter of that, and has a twentieth of its slope.
 NONE = 4.0
@@ -125,7 +121,7 @@ class ConvexBasis:
 
     @property
     def highest(self) -> Float[np.ndarray, " parameter"]:
-        """Up to which coefficients, relative to the level, can be told from rigid; infinity for other parameters."""
+        """Up to which coefficients can be told from rigid; infinity for other parameters."""
         return np.where(np.isin(self.names, list(LETTERS.values())), np.log1p(RIGID), np.inf)
 
     @property

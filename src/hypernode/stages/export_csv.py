@@ -64,6 +64,8 @@ def _configuration(measurement: xr.Dataset, path: Path, folder: Path, tests: lis
         "noise_mm": float(displacement_noise(measurement) or np.finfo(float).eps * max(width, height)),
         "outline": attributes["outline"],
         "edge_ring": 0,
+        "mesh": attributes.get("mesh", "finer"),
+        "noise_uncertainty": float(attributes.get("noise_uncertainty", 0.05)),
         "correlation_window": window,
         "correlation_kernel": kernel,
         **{key: float(attributes[key]) for key in FORCE_ERRORS},

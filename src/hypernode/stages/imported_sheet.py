@@ -8,9 +8,6 @@ from hypernode.config.specimens import Specimen
 from hypernode.dic.noise.steps import StepNoise
 from hypernode.dic.specimen import ImportedSpecimen
 
-#: Relative uncertainty of a noise that was estimated from frames or stated for a test: estimates on synthetic frames
-#: of known noise scatter by as much.
-NOISE_UNCERTAINTY = 0.05
 #: Of what engines of image correlation see about the mean over their window, over what that mean changes: pyvale and
 #: al-dic with affine subsets, of three sheets at four stretches 0.20 to 0.31 (docs/decisions/0060).
 WINDOW_UNCERTAINTY = 0.25
@@ -60,10 +57,10 @@ def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.
     """What its measurement says of itself, but for units, loads and raw files."""
     return {
         "outline": specimen.outline,
-        "grid": "measured",
+        "mesh": specimen.mesh,
         "thickness": specimen.thickness,
         "noise_sources": [each.noise.source for each in sheet.cases],
-        "noise_uncertainty": NOISE_UNCERTAINTY,
+        "noise_uncertainty": specimen.noise_uncertainty,
         "outliers": sheet.outliers,
         **{key: max(getattr(each.test, key) for each in sheet.cases) for key in FORCE_ERRORS},
         "correlation_window": specimen.correlation_window,

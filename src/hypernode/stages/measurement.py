@@ -42,7 +42,7 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
             **carried,
             "units": units_of(forward),
             "outline": "edge",
-            "grid": "measured" if case.camera else "computed",
+            "mesh": "finer" if case.camera else case.mesh,
             "forces": "measured",
             "noise_uncertainty": 0.0,
             "outliers": int(mistaken.sum()),

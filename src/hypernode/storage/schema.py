@@ -6,7 +6,7 @@ import xarray as xr
 
 #: Version of the names and dimensions below. A file of another version is refused: a variable of the same name may mean
 #: something else in it.
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 #: Variables that only a synthetic case has, because only there the truth is known.
 TRUTH = ("u_truth", "F_truth", "phase")
 #: Dimension -> what one index along it is.
@@ -151,12 +151,8 @@ VARIABLES = {
     # training
     "loss": Variable(("iteration",), "1", "training loss"),
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
-    "material_label": Variable(
-        ("cell",), "1", "number of the material of a cell, from 0; where a line cuts it, the one that has more of it"
-    ),
-    "interface_distance": Variable(
-        ("node",), "1", "signed distance from the line between two materials in sides of a cell, positive in material 0"
-    ),
+    "material_label": Variable(("cell",), "1", "material that has most of a cell, from 0"),
+    "interface_distance": Variable(("node",), "1", "distance from the line in sides of a cell, positive in material 0"),
     "local_misfit": Variable(
         ("cell",),
         "1",
