@@ -72,6 +72,18 @@ class SpecimenTest(Section):
     """Columns of the frames where the format is `table`."""
     y_points: Literal["up", "down"] | None = None
     """Where y of the frames points, if otherwise than their format has it."""
+    valid: dict[str, tuple[Union[float, None], Union[float, None]]] = Field(default_factory=dict)
+    """Columns of the frames that say which points count, each with the smallest and the largest value of those that do;
+    null for no such bound. Columns of known programs mark failed points by themselves."""
+    implied_reference: bool | None = None
+    """Whether the sheet at rest, from which displacements are, is in no file; left out, as the software has it."""
+    newest_first: bool = False
+    """Whether the numbers of the files run backwards in time; frames are then numbered from the oldest on."""
+    increments: bool = False
+    """Whether displacements are those of each point since the frame before; they are added up."""
+    repeated_frames: Literal["inserted", "missed"] | None = None
+    """What a frame is that equals the one before to the last bit: inserted, so that those after it are earlier, or in
+    the place of a picture that the camera missed. Left out, the motion tells."""
     allow_out_of_plane: bool = False
     """Whether a sheet that stereo cameras saw move out of its plane by more than 5 % of its size is read."""
     load: SpecimenLoad = "clamped_y"
@@ -84,6 +96,8 @@ class SpecimenTest(Section):
     """Program that wrote the record, where its content does not tell."""
     force_channel: Union[str, dict[Axis, str], None] = None
     """Name of the record's column with the force, or that along each axis, where it is not the usual one."""
+    time_channel: str | None = None
+    """Name of the record's column with the time, where it is not the usual one."""
     force_set: str | None = None
     """Set of cycles that is used of a record of several."""
     force_cycle: str | None = None

@@ -1,6 +1,7 @@
 """Which frames of a series become load steps, and how far the sheet is stretched in each."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -25,7 +26,7 @@ def trimmed(series: Series, ring: int) -> Series:
         )
     cut = slice(ring, -ring or None)
     frames = [type(f)(f.number, f.displacement[cut, cut], f.time, f.force) for f in series.frames]
-    return Series(series.x[cut], series.y[cut], frames, series.unit)
+    return replace(series, x=series.x[cut], y=series.y[cut], frames=frames, out_of_plane=0.0, files=(), tilt=0.0)
 
 
 def mean_gradient(series: Series, i: int, J: int) -> Float[np.ndarray, " frame"]:

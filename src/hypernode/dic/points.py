@@ -87,6 +87,8 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
+    if "failed" in cells:
+        u[cells["failed"]] = np.nan
     u[~np.isfinite(u).all(axis=1)] = np.nan
     if dialect.deformed:
         position = position - u

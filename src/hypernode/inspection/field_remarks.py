@@ -19,7 +19,7 @@ def remarks_on(field: Field, given: Mapping[str, object]) -> Known:
         field: the frames.
         given: keys of the specimen that are known.
     """
-    known = Known()
+    known = sum((odd(finding) for finding in field.series.findings), Known())
     missing = _hole(field)
     if missing:
         known += odd(
