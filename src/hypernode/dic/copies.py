@@ -19,6 +19,10 @@ _LEFT_BEHIND = 5.0
 _NEIGHBOURS = 3
 #: How far beyond one step a jump may be, in further steps, and still be one: half, with room for an uneven motion.
 _CLEARLY = (0.35, 0.65)
+#: Most copies in a row that the motion explains: a longer row is a camera that stood still, or a sheet that did.
+_MOST_IN_A_ROW = 2
+#: Scatter about a smooth field over the largest displacement, below which a field is computed and has no noise.
+_COMPUTED = 1e-6
 #: Motion over its uncertainty from which it tells steps apart.
 _TOLD = 5.0
 _MAD = 1.4826
@@ -81,7 +85,12 @@ def _equal(before: Field, after: Field) -> bool:
     known = np.isfinite(before).all(axis=2) & np.isfinite(after).all(axis=2)
     same = (before == after).all(axis=2) & known
     # Sheets without any displacement are the reference again, and no copy of a measurement.
-    return bool(known.any() and same.sum() >= _WHOLE * known.sum() and after[known].any())
+    return bool(known.any() and same.sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
+
+
+def _has_noise(u: Field, known: Bool[np.ndarray, "row column"]) -> bool:
+    found = _smooth(u, known)
+    return found is None or bool((found[1] > _COMPUTED * np.abs(u[known]).max()).any())
 
 
 def _said(frames: Sequence[Frame], copy_of: dict[int, int], inserted: tuple[int, ...], timed: bool) -> tuple[str, ...]:
@@ -115,7 +124,8 @@ def _inserted(frames: Sequence[Frame], kept: list[int], choice: str | None, wher
         single = [moved[pair] for pair in near if pair[1] - pair[0] == 1]
         step = np.median([size for size, _ in single]) if single else 0.0
         jump, error = moved[low, high]
-        further = (jump / step - 1.0) / (high - low - 1) if step > _TOLD * error else np.nan
+        told = step > _TOLD * error and len(copies) <= _MOST_IN_A_ROW
+        further = (jump / step - 1.0) / (high - low - 1) if told else np.nan
         if further <= _CLEARLY[0]:
             found += copies
         elif not further >= _CLEARLY[1]:
