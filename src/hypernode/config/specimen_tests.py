@@ -13,6 +13,7 @@ SpecimenLoad = Literal[
 #: Programs whose force records are known: the names of ``hypernode.dic.forces.dialects``.
 ForceFormat = Literal[
     "named_columns",
+    "wavematrix",
     "named_axes",
     "named_axes_brackets",
     "bluehill_3",

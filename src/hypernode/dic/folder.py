@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.clock_names import times_of
+from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
@@ -113,6 +114,8 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
                     return dialect
             elif layout_of(lines, dialect):
                 return dialect
+        if known is DIALECTS and (named := named_table(lines)):
+            return named
     return None
 
 

@@ -53,7 +53,12 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
         named |= {match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))}
     named = named or ({dialect.unit} if dialect.unit else set())
     if not named:
-        raise DicError(f"{path}: no unit is named: say table: {{unit: mm}} or {{unit: pixel}}")
+        columns = ", ".join(f"{role}: {getattr(dialect, role)[0]!r}" for role in "xyuv")
+        sign = "" if dialect.layouts[0][0] == "," else f", delimiter: {dialect.layouts[0][0]!r}"
+        raise DicError(
+            f'{path}: no unit is named: say --set format=table --set "table={{{columns}{sign}, unit: mm}}", or unit: '
+            "pixel"
+        )
     unknown = sorted(name for name in named if name.strip().lower() not in UNITS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")

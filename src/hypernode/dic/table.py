@@ -133,7 +133,9 @@ def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
     names = list(map(bare, layout.names))
     places = {}
     for role in ("x", "y", "u", "v", "z", "w"):
-        found = [names.index(name) for name in getattr(dialect, role) if name in names]
+        wanted = getattr(dialect, role)
+        found = [layout.names.index(name) for name in wanted if name in layout.names]
+        found = found or [names.index(name) for name in wanted if name in names]
         if found:
             places[role] = found[0]
         elif role in "xyuv":

@@ -87,11 +87,16 @@ def ends_of(
     middle = middle if middle.any() else np.arange(len(share)) == len(share) // 2
     mean_error = np.linalg.norm(lines.scatter[ends] / np.sqrt(lines.points[ends])[:, None], axis=0)
     slope_error = lines.scatter[:, across] / (np.sqrt(lines.points) * lines.span)
+    slope = lines.slope[ends, across]
+    whole = lines.points[ends] >= _NEARLY_WHOLE * len(along_line)
+    if whole.any():
+        # What is left of an end beside missing material says little of what holds it.
+        slope = np.where(whole, slope, slope[whole].mean())
     return Ends(
         distance,
         _gradient(lines, along, np.moveaxis(displacement, 1 - axis, 0), axis),
         mean_error / distance,
-        lines.slope[ends, across],
+        slope,
         float(lines.slope[middle, across].mean()),
         float(slope_error[middle].mean()),
         float(lines.scatter[ends, axis].max()),

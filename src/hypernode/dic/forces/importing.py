@@ -92,7 +92,9 @@ def _record(test: SpecimenTest, series: Series) -> ForceRecord:
     """The machine's record; where there is no file, what the frames themselves say of the force."""
     path = Path(test.folder) / test.force_file
     if path.is_file() or not any(frame.force is not None for frame in series.frames):
-        return read_force_record(path, test.force_format, test.force_channel, test.force_set, test.force_cycle)
+        return read_force_record(
+            path, test.force_format, test.force_channel, test.force_set, test.force_cycle, test.time_channel
+        )
     return record_of_frames(Path(test.folder), series)
 
 
