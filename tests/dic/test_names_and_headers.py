@@ -69,7 +69,7 @@ def test_folders_that_are_steps_of_one_test_are_said(tmp_path):
 
 def test_positions_that_move_with_the_sheet_are_named(tmp_path):
     folder = write(tmp_path, fields(), deformed=True)
-    with pytest.raises(DicError, match="positions move with the sheet.*deformed: true"):
+    with pytest.raises(DicError, match=r"positions move with the sheet.*deformed: true"):
         read_series(folder)
     table = declared("x", "y", "u", "v", None, ",", ".", True)
     assert np.nanmax(read_series(folder, dialect=table).frames[-1].displacement[..., 1]) == pytest.approx(
@@ -115,7 +115,8 @@ def test_a_table_without_units_is_told_the_option_that_says_them(tmp_path):
 
 def test_times_of_day_in_a_record_are_seconds_since_the_first(tmp_path):
     def clock(t):
-        return f"{23 + int((3590 + t) // 3600) - 24 * int((3590 + t) // 3600):02d}:{int(3590 + t) // 60 % 60:02d}:{(3590 + t) % 60:05.2f}"
+        minutes, seconds = divmod(23 * 3600 + 3590 + t, 60)
+        return f"{int(minutes) // 60 % 24:02d}:{int(minutes) % 60:02d}:{seconds:05.2f}"
 
     read = read_force_record(write_record(tmp_path, 20, clock) / "force_disp.csv")
     np.testing.assert_allclose(read.time, np.arange(0.0, 20.05, 0.1), atol=1e-9)

@@ -1,15 +1,19 @@
 """What cannot be a measurement, and points that a program says it failed at."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from hypernode.config.specimens import Specimen
+from hypernode.data.outliers import outliers
 from hypernode.dic.declared import Declared
 from hypernode.dic.errors import DicError
 from hypernode.dic.frame_clock import frame_clock
 from hypernode.dic.load_case import import_load_case
 from hypernode.dic.noise.estimate import estimate_noise
 from hypernode.dic.reading import read_series
+from hypernode.fem.mesh import rectilinear
 
 from .pulls import HEADER, LINES, NOISE, fields, write, write_record
 
@@ -97,7 +101,7 @@ def test_numbers_that_run_backwards_are_said_and_turned_on_request(tmp_path):
 
 def test_increments_are_refused_by_their_force_and_added_up_on_request(tmp_path):
     frames = fields()
-    steps = [frames[0], *(b - a for a, b in zip(frames, frames[1:], strict=False))]
+    steps = [frames[0], *(b - a for a, b in pairwise(frames))]
     folder = write_record(write(tmp_path, steps))
     with pytest.raises(DicError, match="say increments: true"):
         import_load_case(test_of(folder), test_of(folder))
@@ -166,3 +170,17 @@ def test_a_block_that_stands_still_hides_no_noise(tmp_path):
     series = read_series(write(tmp_path, frames))
     level = estimate_noise(np.stack([frame.displacement for frame in series.frames])).level[1:]
     assert level.min() > 0.2 * NOISE
+
+
+def test_a_kink_of_a_coarse_grid_is_no_mistake_and_a_point_off_it_in_one_step_is():
+    rng, mesh = np.random.default_rng(4), rectilinear(LINES, LINES)
+    x, y = mesh.nodes.T
+    kink = np.maximum(0.0, 2.5 - np.hypot(x - 6.3, y - 6.1))
+    steps = np.array([0.05, 0.1, 0.15, 0.2])
+    u = np.stack([np.zeros((4, len(x))), steps[:, None] * (y + 0.4 * kink)], axis=-1)
+    u += rng.normal(0.0, NOISE, u.shape)
+    noise = np.full((4, 2), NOISE)
+    assert not outliers(mesh, u, noise).any()
+    u[2, 40] += 20 * NOISE
+    found = outliers(mesh, u, noise)
+    assert found.sum() == 1 and found[2, 40]

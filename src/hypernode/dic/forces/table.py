@@ -67,7 +67,7 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
         f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: rename the "
-        "columns, or set force_format, force_channel and time_channel"
+        "columns, or set force_format and force_channel, or time_channel"
     )
 
 
