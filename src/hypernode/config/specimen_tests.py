@@ -29,7 +29,7 @@ ForceFormat = Literal[
 Format = Literal[
     "auto", "davis", "davis_mm", "davis_stereo", "davis8", "matchid_2024", "matchid_2023", "matchid_2d",
     "matchid_matrices", "vic3d", "vic2d", "vic2d_mm", "dice", "dice_subsets", "gom", "gom_nodemap", "ncorr", "pyvale",
-    "al_dic", "table",
+    "al_dic", "arrays", "table",
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
@@ -62,6 +62,19 @@ class Table(Section):
     """Whether positions are those in the deformed sheet."""
 
 
+class Arrays(Section):
+    """Arrays of a file of npz, HDF5 or MATLAB, by their usual names where left out: DIC_X, DIC_disp, instron_force."""
+
+    positions: str | None = None
+    """Name of the array of positions (point, 2)."""
+    displacements: str | None = None
+    """Name of the array of displacements (frame, point, 2), the sheet at rest first."""
+    force: str | None = None
+    """Name of the array of forces (frame,) [N]."""
+    unit: Literal["pixel", "mm"] | None = None
+    """Unit of positions and displacements, which such a file does not say."""
+
+
 class SpecimenTest(Section):
     """One test. ``frames``, ``stretches``, ``times`` or ``load_steps`` selects its load steps; only one is given."""
 
@@ -71,6 +84,8 @@ class SpecimenTest(Section):
     """Software that exported the frames, where the files do not show it themselves."""
     table: Table = Table()
     """Columns of the frames where the format is `table`."""
+    arrays: Arrays = Arrays()
+    """Arrays of the frames where one file holds them all."""
     y_points: Literal["up", "down"] | None = None
     """Where y of the frames points, if otherwise than their format has it."""
     valid: dict[str, tuple[Union[float, None], Union[float, None]]] = Field(default_factory=dict)

@@ -224,6 +224,7 @@ DIALECTS = (
         blanks=True,
         reference=False,
     ),
+    Dialect("arrays", "arrays of npz, HDF5 or MATLAB", force="force", content="arrays"),
     Dialect("table", "declared table", ("x", "y", "u", "v"), blanks=True),
 )
 BY_NAME = {dialect.name: dialect for dialect in DIALECTS}

@@ -2,10 +2,11 @@
 
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic import arrays
 from hypernode.dic.clock_names import times_of
 from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
@@ -14,7 +15,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.header import HEAD_BYTES, layout_of
 from hypernode.dic.text import read_text, shown
 
-SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", ".mat"}
+SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *arrays.SUFFIXES}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
 _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
@@ -65,8 +66,8 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
             f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
-    if found.content in ("matrices", "ncorr"):
-        if found.content == "ncorr" and len(group) > 1:
+    if found.content in ("matrices", "ncorr", "arrays"):
+        if found.content != "matrices" and len(group) > 1:
             raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
         return Found(found, dict(enumerate(group)), {})
     times = {path: float(match[1].replace(",", ".")) for path in group if (match := _TIME.search(path.name))}
@@ -98,7 +99,10 @@ def _skeleton(name: str) -> str:
 def _dialect_of(group: list[Path], known) -> Dialect | None:
     """The dialect of the first file of a group that shows one."""
     for path in group:
-        if path.suffix.lower() == ".mat":
+        if path.suffix.lower() in arrays.SUFFIXES:
+            held = next((each for each in known if each.content == "arrays"), None)
+            if held and arrays.holds_frames(path, held.arrays):
+                return held
             with open(path, "rb") as handle:
                 if handle.read(len(_MATLAB)) == _MATLAB and BY_NAME["ncorr"] in known:
                     return BY_NAME["ncorr"]
@@ -128,7 +132,7 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
     first = ""
     for path in paths[:1]:
-        if path.suffix.lower() != ".mat":
+        if path.suffix.lower() not in arrays.SUFFIXES:
             lines = read_text(path, HEAD_BYTES).splitlines() or [""]
             first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
@@ -217,8 +221,11 @@ def _place(folder: Path, runs: list[list[str]]) -> int:
 
 def dialect_of(test: SpecimenTest) -> Dialect | None:
     """The dialect that a test declares; ``None`` where its files are to show it."""
-    if test.format == "auto":
+    said = test.arrays.model_dump()
+    if test.format == "auto" and not any(said.values()):
         dialect = None
+    elif test.format in ("auto", "arrays"):
+        dialect = replace(BY_NAME["arrays"], unit=said.pop("unit"), arrays=said)
     elif test.format == "table":
         dialect = declared(**test.table.model_dump())
     else:

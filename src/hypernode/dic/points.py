@@ -52,6 +52,8 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     if dialect.preamble_unit:
         named |= {match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))}
     named = named or ({dialect.unit} if dialect.unit else set())
+    if not named and dialect.content == "arrays":
+        raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
         columns = ", ".join(f"{role}: {getattr(dialect, role)[0]!r}" for role in "xyuv")
         sign = "" if dialect.layouts[0][0] == "," else f", delimiter: {dialect.layouts[0][0]!r}"

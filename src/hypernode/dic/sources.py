@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hypernode.dic.arrays import frames_of_arrays
 from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_subsets
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.folder import Found
@@ -18,6 +19,8 @@ def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int]
         frames = frames_of_subsets(files, dialect)
     elif dialect.content == "matrices":
         frames = frames_of_matrices(files, dialect)
+    elif dialect.content == "arrays":
+        frames = frames_of_arrays(files[0], dialect)
     elif dialect.content == "ncorr":
         frames = frames_of_ncorr(files[0], dialect)
     else:
