@@ -32,6 +32,14 @@ class Record:
 
 
 RECORDS = {
+    "wavematrix": Record(
+        "Gesamtzeit (s);Schritt;Position (mm);Last(X:Kraft) (kN)",
+        lambda k, t, d, f: [t, 1, d, 0.001 * f],
+        3,
+        delimiter=";",
+        decimal=",",
+        units=0,
+    ),
     "named_columns": Record("Time,Displacement,Force\n(s),(mm),(N)", lambda k, t, d, f: [t, d, f], 2, quoted=True),
     "named_axes": Record(
         "Time,Displacement x,Displacement y,Force x,Force y\n(s),(mm),(mm),(N),(N)",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hypernode.dic.declared import Declared
 from hypernode.dic.errors import DicError
 from hypernode.dic.reading import read_series
 from tests.dic.exports import STEREO, displacement
@@ -69,7 +70,7 @@ def test_a_sheet_that_leaves_its_plane_is_refused_unless_allowed(tmp_path):
     scattered(tmp_path, lambda X, Y: (X, Y), lambda k, x, y: k * 0.1 * x)
     with pytest.raises(DicError, match="allow_out_of_plane"):
         read_series(tmp_path)
-    assert 0.09 < read_series(tmp_path, allow_out_of_plane=True).out_of_plane <= 0.1
+    assert 0.09 < read_series(tmp_path, declared=Declared(allow_out_of_plane=True)).out_of_plane <= 0.1
 
 
 def test_a_tilted_sheet_is_seen_in_its_own_plane(tmp_path):

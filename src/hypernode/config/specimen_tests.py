@@ -13,6 +13,7 @@ SpecimenLoad = Literal[
 #: Programs whose force records are known: the names of ``hypernode.dic.forces.dialects``.
 ForceFormat = Literal[
     "named_columns",
+    "wavematrix",
     "named_axes",
     "named_axes_brackets",
     "bluehill_3",
@@ -28,7 +29,7 @@ ForceFormat = Literal[
 Format = Literal[
     "auto", "davis", "davis_mm", "davis_stereo", "davis8", "matchid_2024", "matchid_2023", "matchid_2d",
     "matchid_matrices", "vic3d", "vic2d", "vic2d_mm", "dice", "dice_subsets", "gom", "gom_nodemap", "ncorr", "pyvale",
-    "al_dic", "table",
+    "al_dic", "arrays", "table",
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
@@ -61,6 +62,19 @@ class Table(Section):
     """Whether positions are those in the deformed sheet."""
 
 
+class Arrays(Section):
+    """Arrays of a file of npz, HDF5 or MATLAB, by their usual names where left out: DIC_X, DIC_disp, instron_force."""
+
+    positions: str | None = None
+    """Name of the array of positions (point, 2)."""
+    displacements: str | None = None
+    """Name of the array of displacements (frame, point, 2), the sheet at rest first."""
+    force: str | None = None
+    """Name of the array of forces (frame,) [N]."""
+    unit: Literal["pixel", "mm"] | None = None
+    """Unit of positions and displacements, which such a file does not say."""
+
+
 class SpecimenTest(Section):
     """One test. ``frames``, ``stretches``, ``times`` or ``load_steps`` selects its load steps; only one is given."""
 
@@ -70,8 +84,22 @@ class SpecimenTest(Section):
     """Software that exported the frames, where the files do not show it themselves."""
     table: Table = Table()
     """Columns of the frames where the format is `table`."""
+    arrays: Arrays = Arrays()
+    """Arrays of the frames where one file holds them all."""
     y_points: Literal["up", "down"] | None = None
     """Where y of the frames points, if otherwise than their format has it."""
+    valid: dict[str, tuple[Union[float, None], Union[float, None]]] = Field(default_factory=dict)
+    """Columns of the frames that say which points count, each with the smallest and the largest value of those that do;
+    null for no such bound. Columns of known programs mark failed points by themselves."""
+    implied_reference: bool | None = None
+    """Whether the sheet at rest, from which displacements are, is in no file; left out, as the software has it."""
+    newest_first: bool = False
+    """Whether the numbers of the files run backwards in time; frames are then numbered from the oldest on."""
+    increments: bool = False
+    """Whether displacements are those of each point since the frame before; they are added up."""
+    repeated_frames: Literal["inserted", "missed"] | None = None
+    """What a frame is that equals the one before to the last bit: inserted, so that those after it are earlier, or in
+    the place of a picture that the camera missed. Left out, the motion tells."""
     allow_out_of_plane: bool = False
     """Whether a sheet that stereo cameras saw move out of its plane by more than 5 % of its size is read."""
     load: SpecimenLoad = "clamped_y"
@@ -84,6 +112,8 @@ class SpecimenTest(Section):
     """Program that wrote the record, where its content does not tell."""
     force_channel: Union[str, dict[Axis, str], None] = None
     """Name of the record's column with the force, or that along each axis, where it is not the usual one."""
+    time_channel: str | None = None
+    """Name of the record's column with the time, where it is not the usual one."""
     force_set: str | None = None
     """Set of cycles that is used of a record of several."""
     force_cycle: str | None = None

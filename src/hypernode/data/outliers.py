@@ -17,6 +17,11 @@ _SECOND_LARGEST = 2.0
 #: How much more than its neighbours a point may deviate where the sheet itself bends, at a corner of an interface.
 _SHARPEST = 4.0
 
+#: Fewest steps that tell what of a deviation belongs to the sheet.
+_FEWEST_STEPS = 3
+#: Largest deviation at a kink, over the step of the grid times the mean strain: half of a strain that jumps by as much.
+_KINK = 0.5
+
 
 def outliers(
     mesh: Mesh, u: Float[np.ndarray, "step node 2"], noise: Float[np.ndarray, "step 2"]
@@ -36,20 +41,38 @@ def outliers(
     """
     x, y = mesh.lines
     found = np.zeros(u.shape[:2], bool)
-    for step, (field, level) in enumerate(zip(u, noise, strict=True)):
-        for i in np.flatnonzero(level > 0.0):
-            grid = np.full(len(y) * len(x), np.nan)
-            grid[mesh.places] = field[:, i]
-            deviation = _deviation(x, y, grid.reshape(len(y), len(x)))
+    for i in np.flatnonzero((noise > 0.0).any(axis=0)):
+        grid = np.full((len(u), len(y) * len(x)), np.nan)
+        grid[:, mesh.places] = u[..., i]
+        grid = grid.reshape(len(u), len(y), len(x))
+        signed = np.stack([_deviation(x, y, each) for each in grid])
+        rest = signed - _of_the_sheet(signed, grid)
+        for step in np.flatnonzero(noise[:, i] > 0.0):
+            level, deviation = noise[step], np.abs(signed[step])
             scatter = _SCATTER * level[i]
             bent = np.maximum(_second_largest_around(deviation) - _SECOND_LARGEST * scatter, 0.0)
-            alone = deviation > _CHANCE * scatter + _SHARPEST * bent
+            alone = np.minimum(deviation - _SHARPEST * bent, np.abs(rest[step])) > _CHANCE * scatter
             found[step] |= alone.ravel()[mesh.places]
     return found
 
 
+def _of_the_sheet(
+    deviation: Float[np.ndarray, "step row column"], grid: Float[np.ndarray, "step row column"]
+) -> Float[np.ndarray, "step row column"]:
+    """What of the deviations grows with the motion in all steps, as at an interface that runs between two points.
+
+    No more than a kink of the mean strain of the sheet gives. Zero where fewer than three steps tell it.
+    """
+    if len(deviation) < _FEWEST_STEPS:
+        return np.zeros_like(deviation)
+    moved = (np.nanmax(grid, axis=(1, 2)) - np.nanmin(grid, axis=(1, 2)))[:, None, None]
+    largest = _KINK * moved / max(grid.shape[1:])
+    share = np.median(deviation / np.where(moved > 0.0, moved, 1.0), axis=0)
+    return np.clip(share * moved, -largest, largest)
+
+
 def _deviation(x, y, grid: Float[np.ndarray, "row column"]) -> Float[np.ndarray, "row column"]:
-    """Distance of each point from the median of the interpolations between its opposite neighbours.
+    """How far each point is off the median of the interpolations between its opposite neighbours.
 
     Zero where there are none: such a point is not judged.
     """
@@ -65,7 +88,7 @@ def _deviation(x, y, grid: Float[np.ndarray, "row column"]) -> Float[np.ndarray,
     said = np.stack(said)
     judged = np.isfinite(said).any(axis=0) & np.isfinite(grid)
     median = np.nanmedian(np.where(judged, said, 0.0), axis=0)
-    return np.where(judged, np.abs(grid - median), 0.0)
+    return np.where(judged, grid - median, 0.0)
 
 
 def _share(line):

@@ -1,6 +1,7 @@
 """What there is to know about the layout of a displacement file."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 #: How a number that is none is written, in lower case.
 NOT_A_NUMBER = ("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch", "na")
@@ -23,6 +24,8 @@ class Dialect:
         v_up: whether v does, where it differs from y.
         deformed: whether positions are those in the deformed sheet.
         lost: (column, value) pairs that mark a lost point.
+        valid: column -> smallest and largest value of points that count; None where there is no such bound.
+        arrays: positions, displacements and force -> name of the array that holds them, where a file holds arrays.
         zero_is_lost: whether a displacement of exactly zero in a deformed frame marks one.
         blanks: whether an empty cell or a word for "not a number" marks one.
         lost_position: whether a lost point still has its true position.
@@ -31,7 +34,7 @@ class Dialect:
         time, force: names of their columns.
         preamble_unit, preamble_force: expressions whose group is the unit of length, and the force, in the preamble.
         content: how the file is made: ``frame`` (a table a frame), ``subset`` (a table a point), ``matrices`` (a file a
-            field), ``ncorr`` (one file for all), ``davis8`` (a first line instead of a header).
+            field), ``ncorr`` and ``arrays`` (one file for all), ``davis8`` (a first line instead of a header).
     """
 
     name: str
@@ -50,6 +53,8 @@ class Dialect:
     v_up: bool | None = None
     deformed: bool = False
     lost: tuple[tuple[str, float], ...] = ()
+    valid: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
+    arrays: Mapping[str, str | None] = field(default_factory=dict)
     zero_is_lost: bool = False
     blanks: bool = False
     lost_position: bool = True

@@ -224,6 +224,7 @@ DIALECTS = (
         blanks=True,
         reference=False,
     ),
+    Dialect("arrays", "arrays of npz, HDF5 or MATLAB", force="force", content="arrays"),
     Dialect("table", "declared table", ("x", "y", "u", "v"), blanks=True),
 )
 BY_NAME = {dialect.name: dialect for dialect in DIALECTS}
@@ -231,6 +232,7 @@ BY_NAME = {dialect.name: dialect for dialect in DIALECTS}
 
 def declared(x: str, y: str, u: str, v: str, unit: str | None, delimiter: str, decimal: str, deformed: bool) -> Dialect:
     """The dialect of a table whose columns the configuration names."""
+    # A name may be given with its unit, as the header has it.
     return replace(
         BY_NAME["table"],
         recognised=(x, y, u, v),

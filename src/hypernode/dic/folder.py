@@ -2,22 +2,27 @@
 
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic import arrays
+from hypernode.dic.clock_names import times_of
+from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import HEAD_BYTES, layout_of
 from hypernode.dic.text import read_text, shown
 
-SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", ".mat"}
+SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *arrays.SUFFIXES}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
 _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
 #: Digits of a frame's number that DaVis and others write; what stands before them belongs to the name.
 _DIGITS = 4
+#: Most files in the folder of one load step: a field, forces and what a program adds.
+_MOST_OF_A_STEP = 8
 
 
 @dataclass(frozen=True)
@@ -61,15 +66,30 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
             f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
-    if found.content in ("matrices", "ncorr"):
-        if found.content == "ncorr" and len(group) > 1:
+    if found.content in ("matrices", "ncorr", "arrays"):
+        if found.content != "matrices" and len(group) > 1:
             raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
         return Found(found, dict(enumerate(group)), {})
     times = {path: float(match[1].replace(",", ".")) for path in group if (match := _TIME.search(path.name))}
     if len(times) == len(group) and len({_TIME.sub("", path.name) for path in group}) == 1:
         ordered = sorted(group, key=times.get)
         return Found(found, dict(enumerate(ordered, start=1)), {k: times[p] for k, p in enumerate(ordered, start=1)})
+    clock = times_of([path.name for path in group])
+    if clock is not None:
+        return Found(found, *_by_clock(group, clock))
     return Found(found, numbered(folder, group), {})
+
+
+def _by_clock(group: list[Path], clock: list[float]) -> tuple[dict[int, Path], dict[int, float]]:
+    """(number -> file, number -> time) of files that are named by a clock: seconds since the first one where all are
+    whole, which a frame rate of 1 fits, else a running number."""
+    ordered = sorted(zip(clock, group, strict=True))
+    since = [time - ordered[0][0] for time, _ in ordered]
+    numbers = [int(time) for time in since] if all(time.is_integer() for time in since) else range(len(since))
+    return (
+        {number: path for number, (_, path) in zip(numbers, ordered, strict=True)},
+        dict(zip(numbers, since, strict=True)),
+    )
 
 
 def _skeleton(name: str) -> str:
@@ -79,7 +99,10 @@ def _skeleton(name: str) -> str:
 def _dialect_of(group: list[Path], known) -> Dialect | None:
     """The dialect of the first file of a group that shows one."""
     for path in group:
-        if path.suffix.lower() == ".mat":
+        if path.suffix.lower() in arrays.SUFFIXES:
+            held = next((each for each in known if each.content == "arrays"), None)
+            if held and arrays.holds_frames(path, held.arrays):
+                return held
             with open(path, "rb") as handle:
                 if handle.read(len(_MATLAB)) == _MATLAB and BY_NAME["ncorr"] in known:
                     return BY_NAME["ncorr"]
@@ -95,6 +118,8 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
                     return dialect
             elif layout_of(lines, dialect):
                 return dialect
+        if known is DIALECTS and (named := named_table(lines)):
+            return named
     return None
 
 
@@ -104,15 +129,34 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
     about = f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found"
     inner = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.*")))
     if not paths and inner:
-        return f"{about} the folders {shown(path.name for path in inner)}: each test has a folder of its own"
+        return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
     first = ""
     for path in paths[:1]:
-        if path.suffix.lower() != ".mat":
+        if path.suffix.lower() not in arrays.SUFFIXES:
             lines = read_text(path, HEAD_BYTES).splitlines() or [""]
             first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
         f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
         "and table to its columns: {x: ..., y: ..., u: ..., v: ..., unit: mm}"
+    )
+
+
+def _inner(folders: list[Path]) -> str:
+    """What folders within a folder are: steps of a test, one table in each, or tests."""
+    tables = [[path for path in each.iterdir() if path.suffix.lower() in SUFFIXES] for each in folders]
+    names = [{path.name for path in each} for each in tables]
+    steps = len(folders) > 1 and all(re.fullmatch(r"\D*\d+\D*", each.name) for each in folders)
+    if not steps or any(each != names[0] for each in names) or len(names[0]) > _MOST_OF_A_STEP:
+        return "each test has a folder of its own"
+    ordered = sorted(folders, key=lambda each: int(re.search(r"\d+", each.name)[0]))
+    frame = max(tables[0], key=lambda path: path.stat().st_size)
+    step = f"Step{int(re.search(r'[0-9]+', ordered[0].name)[0]):04d}{frame.suffix}"
+    return (
+        f"with the same files in each, {shown(sorted(names[0]))}, they look like the steps of one test. Copy their "
+        f"tables into one folder, {ordered[0].name}/{frame.name} as {step} and so on, and write their forces into one "
+        "record, force_disp.csv, with a line a step and the "
+        "columns Time and Force. Where no table shows the sheet at rest, say implied_reference: true (--set "
+        "implied_reference=true)"
     )
 
 
@@ -131,7 +175,7 @@ def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
     width = len(digits[0])
     front = {each[:-_DIGITS] for each in digits if width > _DIGITS and len(each) == width}
     cut = width - _DIGITS if len(front) == 1 and all(len(each) == width for each in digits) else 0
-    if len(others) > 1 or _two_series(digits, width):
+    if (len(others) > 1 and not _goes_together(runs, place)) or _two_series(digits, width):
         names = sorted({re.sub(r"\d+", "#", path.name) for path in paths} | {path.name for path in paths[:2]})
         raise DicError(f"{folder}: several series ({', '.join(names)}, ...): keep one a folder")
     files: dict[int, Path] = {}
@@ -141,6 +185,15 @@ def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
             raise DicError(f"{path}: frame {number} is there twice ({files[number].name})")
         files[number] = path
     return dict(sorted(files.items()))
+
+
+def _goes_together(runs: list[list[str]], place: int) -> bool:
+    """Whether a number of its own in each name grows with all other digits that vary: a time, a load, a counter."""
+    values = sorted([int(each) for each in run] for run in runs)
+    values.sort(key=lambda run: run[place])
+    own = [run[place] for run in values]
+    others = [[run[k] for run in values] for k in range(len(values[0])) if k != place]
+    return len(set(own)) == len(own) and all(each == sorted(each) for each in others)
 
 
 def _two_series(digits: list[str], width: int) -> bool:
@@ -168,8 +221,11 @@ def _place(folder: Path, runs: list[list[str]]) -> int:
 
 def dialect_of(test: SpecimenTest) -> Dialect | None:
     """The dialect that a test declares; ``None`` where its files are to show it."""
-    if test.format == "auto":
+    said = test.arrays.model_dump()
+    if test.format == "auto" and not any(said.values()):
         dialect = None
+    elif test.format in ("auto", "arrays"):
+        dialect = replace(BY_NAME["arrays"], unit=said.pop("unit"), arrays=said)
     elif test.format == "table":
         dialect = declared(**test.table.model_dump())
     else:

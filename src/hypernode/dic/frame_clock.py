@@ -42,7 +42,9 @@ def frame_clock(test: SpecimenTest, series: Series) -> FrameClock | None:
     later = test.first_frame_time + (given if isinstance(given, float) else 0.0)
     first = series.frames[0].number
     if test.frame_rate is not None:
-        return FrameClock(np.array([first, first + 1.0]), np.array([later, later + 1.0 / test.frame_rate]))
+        numbers = np.arange(first, max(series.frames[-1].number, first + 1) + 2.0)
+        taken = numbers - first - np.searchsorted(series.inserted, numbers, side="right")
+        return FrameClock(numbers, later + taken / test.frame_rate)
     said = _said(series)
     return said and said.later(later)
 

@@ -1,6 +1,7 @@
 """Which frames of a series become load steps, and how far the sheet is stretched in each."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +11,9 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.grid import FEWEST_LINES
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
+
+#: Share of the points of two end lines that must face each other to be compared alone.
+_FACING = 0.25
 
 
 def trimmed(series: Series, ring: int) -> Series:
@@ -25,7 +29,7 @@ def trimmed(series: Series, ring: int) -> Series:
         )
     cut = slice(ring, -ring or None)
     frames = [type(f)(f.number, f.displacement[cut, cut], f.time, f.force) for f in series.frames]
-    return Series(series.x[cut], series.y[cut], frames, series.unit)
+    return replace(series, x=series.x[cut], y=series.y[cut], frames=frames, out_of_plane=0.0, files=(), tilt=0.0)
 
 
 def mean_gradient(series: Series, i: int, J: int) -> Float[np.ndarray, " frame"]:
@@ -35,7 +39,10 @@ def mean_gradient(series: Series, i: int, J: int) -> Float[np.ndarray, " frame"]
     for frame in series.frames:
         u = frame.displacement[..., i]
         ends = (u[:, 0], u[:, -1]) if J == 0 else (u[0], u[-1])
-        low, high = (end[np.isfinite(end)].mean() if np.isfinite(end).any() else np.nan for end in ends)
+        known = np.isfinite(ends)
+        # Between points that face each other, so that a corner without material shears nothing.
+        facing = known.all(axis=0) if known.all(axis=0).mean() >= _FACING else True
+        low, high = (end[at & facing].mean() if at.any() else np.nan for end, at in zip(ends, known, strict=True))
         means.append((high - low) / (position[-1] - position[0]))
     return np.array(means)
 

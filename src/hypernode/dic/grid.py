@@ -7,6 +7,7 @@ from jaxtyping import Float
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from hypernode.dic.errors import DicError
+from hypernode.dic.moving_positions import why_off
 from hypernode.dic.points import Points
 
 #: Distance from a line of the grid, in steps, within which a point lies on it.
@@ -66,13 +67,16 @@ class ExactGrid:
             bad = int(np.flatnonzero(~known)[0])
             raise DicError(
                 f"{points.path}:{points.line[bad]}: the point {_shown(points, bad)} is not on the grid of frame "
-                f"{reference}"
+                f"{reference}{why_off(points, self._on)}"
             )
         place = row * len(x) + column
         _refuse_twice(points, place)
         grid = np.full((len(y) * len(x), 2), np.nan)
         grid[place] = points.displacement[:, :2]
         return grid.reshape(len(y), len(x), 2)
+
+    def _on(self, position: np.ndarray) -> np.ndarray:
+        return _line(self.x, position[:, 0])[1] & _line(self.y, position[:, 1])[1]
 
 
 @dataclass(frozen=True)

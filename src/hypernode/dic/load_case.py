@@ -83,7 +83,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
         force=found.force,
         relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
-        findings=(*_said_otherwise(test, series), *found.findings),
+        findings=(*case.findings, *_said_otherwise(test, series), *found.findings),
     )
 
 
@@ -126,7 +126,7 @@ def _without_force(
         np.array([angles[number] for number in numbers]),
         noise_of(test, series, numbers, mm),
         tuple(path for path in full.files if path.is_file()),
-        (),
+        full.findings,
     )
 
 

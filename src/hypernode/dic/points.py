@@ -52,8 +52,15 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     if dialect.preamble_unit:
         named |= {match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))}
     named = named or ({dialect.unit} if dialect.unit else set())
+    if not named and dialect.content == "arrays":
+        raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
-        raise DicError(f"{path}: no unit is named: say table: {{unit: mm}} or {{unit: pixel}}")
+        columns = ", ".join(f"{role}: {getattr(dialect, role)[0]!r}" for role in "xyuv")
+        sign = "" if dialect.layouts[0][0] == "," else f", delimiter: {dialect.layouts[0][0]!r}"
+        raise DicError(
+            f'{path}: no unit is named: say --set format=table --set "table={{{columns}{sign}, unit: mm}}", or unit: '
+            "pixel"
+        )
     unknown = sorted(name for name in named if name.strip().lower() not in UNITS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
@@ -87,6 +94,8 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
+    if "failed" in cells:
+        u[cells["failed"]] = np.nan
     u[~np.isfinite(u).all(axis=1)] = np.nan
     if dialect.deformed:
         position = position - u

@@ -36,6 +36,8 @@ class Series:
         files: every file that was read.
         tilt: angle from x of the files to x of the grid, y upward, in (-45, 45] degrees; displacements are along the
             grid's axes.
+        inserted: numbers of pictures that took no time: those after them are earlier.
+        findings: sentences on what of the frames cannot be a measurement.
     """
 
     x: Float[np.ndarray, " column"]
@@ -45,6 +47,8 @@ class Series:
     out_of_plane: float = 0.0
     files: tuple[Path, ...] = field(default=())
     tilt: float = 0.0
+    inserted: tuple[int, ...] = ()
+    findings: tuple[str, ...] = ()
 
     def millimetres(self, pixel_size: float | None) -> float:
         """Length of the unit in mm; ``pixel_size`` is that of a pixel and matters for pixels alone.

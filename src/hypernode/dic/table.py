@@ -9,6 +9,7 @@ from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
 from hypernode.dic.text import read_text, shown
+from hypernode.dic.validity import failed, known_columns, named_columns, value_of
 
 _WORDS = {"true": 1.0, "false": 0.0}
 
@@ -16,7 +17,8 @@ _WORDS = {"true": 1.0, "false": 0.0}
 def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.ndarray, dict[str, str], list[str]]:
     """(cells by role, line of each row, unit by role, preamble) of a file.
 
-    Roles are x, y, u, v, z, w, time, force, ``FRAME`` and the columns that mark lost points.
+    Roles are x, y, u, v, z, w, time, force, ``FRAME``, the columns that mark lost points, and ``failed``: whether one
+    that other programs know marks a point.
 
     Raises:
         DicError: the file is not of this dialect; the message names the line.
@@ -36,8 +38,9 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
         raise DicError(f"{path}:{body[-1][0]}: {len(body)} points, the first line promises {layout.rows}: export again")
     names = layout.names
     units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
+    cells = {role: table[:, k] for k, role in enumerate(roles)}
     return (
-        {role: table[:, k] for k, role in enumerate(roles)},
+        cells | {"failed": _failed(path, body, layout, dialect)},
         np.array([number for number, _ in body]),
         units,
         lines[: layout.header],
@@ -83,6 +86,21 @@ def _row_by_row(path: Path, body, layout: Layout, columns: list[int], dialect: D
     return np.array(values)
 
 
+def _failed(path: Path, body: list[tuple[int, str]], layout: Layout, dialect: Dialect) -> np.ndarray:
+    """Which rows a column marks as failed points: one that is known to, or that the configuration names."""
+    names = list(map(bare, layout.names))
+    columns = known_columns(names)
+    columns |= named_columns(path, layout.header + 1, names, dialect.valid)
+    lost = np.zeros(len(body), dtype=bool)
+    if not columns:
+        return lost
+    rows = [cells_of(line, layout.delimiter) for _, line in body]
+    for name, k in columns.items():
+        values = np.array([value_of(row[k], layout.decimal) if k < len(row) else np.nan for row in rows])
+        lost |= failed(name, values, dialect.valid)
+    return lost
+
+
 def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> float:
     """The number in a cell, or that of a word that stands for one.
 
@@ -115,7 +133,9 @@ def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
     names = list(map(bare, layout.names))
     places = {}
     for role in ("x", "y", "u", "v", "z", "w"):
-        found = [names.index(name) for name in getattr(dialect, role) if name in names]
+        wanted = getattr(dialect, role)
+        found = [layout.names.index(name) for name in wanted if name in layout.names]
+        found = found or [names.index(name) for name in wanted if name in names]
         if found:
             places[role] = found[0]
         elif role in "xyuv":

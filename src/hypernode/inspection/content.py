@@ -10,7 +10,7 @@ from hypernode.dic.folder import SUFFIXES, Found, dialect_of, find_series
 #: Endings of what cameras write.
 PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
 #: Endings of what no testing machine writes, although displacements may stand in it.
-_NO_RECORD = {".mat"}
+_NO_RECORD = {".mat", ".npz", ".h5", ".hdf5"}
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,10 @@ from jaxtyping import Float, Int
 
 #: Share of a line that must be measured to tell how it moves.
 _MEASURED = 0.5
+#: Share of the points of two lines that must face each other to be compared alone.
+_FACING = 0.25
+#: The same of ends that are whole but for single points.
+_NEARLY_WHOLE = 0.9
 #: Fewest points of a line: two for its slope, as many for its scatter.
 _FEWEST = 4
 #: Fewest lines from one end to the other.
@@ -83,15 +87,44 @@ def ends_of(
     middle = middle if middle.any() else np.arange(len(share)) == len(share) // 2
     mean_error = np.linalg.norm(lines.scatter[ends] / np.sqrt(lines.points[ends])[:, None], axis=0)
     slope_error = lines.scatter[:, across] / (np.sqrt(lines.points) * lines.span)
+    slope = lines.slope[ends, across]
+    whole = lines.points[ends] >= _NEARLY_WHOLE * len(along_line)
+    if whole.any():
+        # What is left of an end beside missing material says little of what holds it.
+        slope = np.where(whole, slope, slope[whole].mean())
     return Ends(
         distance,
-        (lines.centre[-1] - lines.centre[0]) / distance,
+        _gradient(lines, along, np.moveaxis(displacement, 1 - axis, 0), axis),
         mean_error / distance,
-        lines.slope[ends, across],
+        slope,
         float(lines.slope[middle, across].mean()),
         float(slope_error[middle].mean()),
         float(lines.scatter[ends, axis].max()),
     )
+
+
+def _gradient(lines: _Lines, along: np.ndarray, u: np.ndarray, axis: int) -> np.ndarray:
+    """Mean of du_i/dX_J between the end lines (i,): between points that face each other, where there are enough.
+
+    Where part of an end is missing, what moves along the end lines is told by the two sides between them: what is left
+    beside a corner without material would shear the sheet.
+    """
+    distance = lines.at[-1] - lines.at[0]
+    low, high = (u[np.searchsorted(along, lines.at[end])] for end in (0, -1))
+    facing = np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1)
+    if facing.mean() < _FACING:
+        return (lines.centre[-1] - lines.centre[0]) / distance
+    gradient = (high - low)[facing].mean(axis=0) / distance
+    if facing.mean() < _NEARLY_WHOLE:
+        sides = [_slope(along, u[:, side, 1 - axis]) for side in (0, -1)]
+        gradient[1 - axis] = gradient[1 - axis] if None in sides else np.mean(sides)
+    return gradient
+
+
+def _slope(at: np.ndarray, values: np.ndarray) -> float | None:
+    """Slope of the straight line through values along a side; None where less than half of it is measured."""
+    known = np.isfinite(values)
+    return float(np.polyfit(at[known], values[known], 1)[0]) if known.mean() >= _MEASURED else None
 
 
 def _fitted(at: np.ndarray, position: np.ndarray, u: Float[np.ndarray, "line point 2"]) -> _Lines:

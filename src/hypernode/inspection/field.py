@@ -101,7 +101,7 @@ def read_field(test: SpecimenTest, found: Found) -> Field:
         "up" if up else "down",
         _is_stereo(found, series),
         series,
-        tuple(said),
+        tuple(each for each in said if not each.startswith("warning: ")),
     )
 
 

@@ -19,7 +19,8 @@ def remarks_on(field: Field, given: Mapping[str, object]) -> Known:
         field: the frames.
         given: keys of the specimen that are known.
     """
-    known = Known()
+    known = sum((odd(finding) for finding in field.series.findings), Known())
+    known += _outline(field)
     missing = _hole(field)
     if missing:
         known += odd(
@@ -35,12 +36,40 @@ def remarks_on(field: Field, given: Mapping[str, object]) -> Known:
     return known
 
 
-def _hole(field: Field) -> int:
-    """Points of the largest region inside that no deformed frame shows; 0 where it is small."""
+def _outline(field: Field) -> Known:
+    """A question for each region at the rim that no deformed frame shows, but for a whole outermost line."""
+    series, known = field.series, Known()
+    regions, count = _unseen(field)
+    rows, columns = regions.shape
+    for k in range(1, count + 1):
+        row, column = np.nonzero(regions == k)
+        rim = {"left": column == 0, "right": column == columns - 1, "bottom": row == 0, "top": row == rows - 1}
+        sides = [name for name, at in rim.items() if at.any()]
+        whole = any(at.sum() == (rows if name in ("left", "right") else columns) for name, at in rim.items())
+        # Outermost points alone are those that a window of the correlation loses.
+        if not sides or whole or len(row) < _FEWEST or np.any(list(rim.values()), axis=0).all():
+            continue
+        x, y = series.x[column], series.y[row]
+        known += odd(
+            f"{len(row)} neighbouring points at the {' and '.join(sides)} of the field, x {x.min():.4g} to "
+            f"{x.max():.4g} and y {y.min():.4g} to {y.max():.4g} {series.unit}, are measured in no deformed frame: "
+            "they count as lost ones with material beneath; if the sheet ends there (a notch, a cut corner, a hole), "
+            "declare it, hole of its case"
+        )
+    return known
+
+
+def _unseen(field: Field) -> tuple[np.ndarray, int]:
+    """(grid of regions that no deformed frame shows, their number)."""
     frames = field.series.frames[1:]
     if not frames:
-        return 0
-    regions, count = scipy.ndimage.label(np.all([np.isnan(f.displacement).any(axis=2) for f in frames], axis=0))
+        return np.zeros((len(field.series.y), len(field.series.x)), dtype=int), 0
+    return scipy.ndimage.label(np.all([np.isnan(f.displacement).any(axis=2) for f in frames], axis=0))
+
+
+def _hole(field: Field) -> int:
+    """Points of the largest region inside that no deformed frame shows; 0 where it is small."""
+    regions, count = _unseen(field)
     rim = np.concatenate([regions[0], regions[-1], regions[:, 0], regions[:, -1]])
     sizes = [int((regions == k).sum()) for k in range(1, count + 1) if k not in rim]
     largest = max(sizes, default=0)

@@ -115,6 +115,13 @@ DIALECTS = (
         units="brackets",
     ),
     Dialect(
+        name="wavematrix",
+        program="Instron WaveMatrix",
+        time=("total time", "elapsed time", "gesamtzeit", "verstrichene zeit", "temps total", "temps écoulé"),
+        force={PULL: ()},
+        units="brackets",
+    ),
+    Dialect(
         name="named_axes",
         program="columns Time, Force x and Force y",
         time=("time",),

@@ -22,6 +22,7 @@ from hypernode.dic.forces.matching import Component, PullRecord, best_told, pull
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
+from hypernode.dic.increments import refuse_increments
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -77,6 +78,7 @@ def import_forces(
     numbers = np.array([frame.number for frame in series.frames])
     several = len(pulls) > 1
     for part, pull in pulls.items():
+        _refuse_increments(test, series, part, pull, numbers)
         found = _checked(pull, numbers, working_stretch(series, test.load, *part), sections[part[1]], chosen)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
@@ -90,7 +92,9 @@ def _record(test: SpecimenTest, series: Series) -> ForceRecord:
     """The machine's record; where there is no file, what the frames themselves say of the force."""
     path = Path(test.folder) / test.force_file
     if path.is_file() or not any(frame.force is not None for frame in series.frames):
-        return read_force_record(path, test.force_format, test.force_channel, test.force_set, test.force_cycle)
+        return read_force_record(
+            path, test.force_format, test.force_channel, test.force_set, test.force_cycle, test.time_channel
+        )
     return record_of_frames(Path(test.folder), series)
 
 
@@ -181,6 +185,14 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Fin
     findings += check_units(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
     return findings + (check_rest(forces) if reached[0] else [])
+
+
+def _refuse_increments(test: SpecimenTest, series: Series, part: Component, pull: PullRecord, numbers) -> None:
+    """Refuse displacements from frame to frame, which the force tells in the frames that the record reaches."""
+    strain = working_stretch(series, test.load, *part) - 1.0
+    seen = pull.reached(numbers) & np.isfinite(strain)
+    if not test.increments and np.diff(numbers[seen]).max(initial=0) == 1:
+        refuse_increments(test.folder, strain[seen], pull.forces(numbers[seen]))
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
+from hypernode.dic.forces.clock_times import with_clock_in_seconds
 from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
@@ -58,6 +59,7 @@ def read_force_record(
     channel: str | dict[str, str] | None = None,
     set_name: str | None = None,
     cycle: str | None = None,
+    time: str | None = None,
 ) -> ForceRecord:
     """Read a record; its dialect is recognised by its content.
 
@@ -66,13 +68,14 @@ def read_force_record(
         dialect: name of the dialect, where it is not recognised.
         channel: name of the column with the force, or that along each axis, where it is not the dialect's own.
         set_name, cycle: of the rows that count, where a file holds several cycles.
+        time: name of the column with the time, where it is not the dialect's own.
 
     Raises:
         DicError: the file, its units or a line cannot be used, or time does not increase.
     """
     path = Path(path)
     named = channel.values() if isinstance(channel, dict) else [channel] if channel else []
-    table = choose_cycle(read_table(path, dialect, tuple(named)), set_name, cycle)
+    table = with_clock_in_seconds(choose_cycle(read_table(path, dialect, tuple(named), time), set_name, cycle))
     forces = _force_columns(table, channel)
     where = (table.find(table.dialect.time), table.find(table.dialect.image))
     columns = [(at, _scale(table, at, FORCE_UNITS, "force in (N)")) for at in forces.values()]

@@ -37,19 +37,20 @@ class Table:
         return next((self.names.index(name) for name in names if name in self.names), None)
 
 
-def read_table(path: Path, wanted: str | None, channels: Sequence[str] = ()) -> Table:
+def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), time: str | None = None) -> Table:
     """The file in the first dialect whose header it has.
 
     Args:
         path: the file.
         wanted: name of the dialect, where it is known.
         channels: names of the columns with the force, where they are not the dialect's own.
+        time: name of the column with the time, where it is not the dialect's own.
 
     Raises:
         DicError: the file cannot be read, or no dialect has its header.
     """
     text = read_text(path)
-    known = [each for each in DIALECTS if wanted in (None, each.name)]
+    known = [_timed(each, time) for each in DIALECTS if wanted in (None, each.name)]
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
@@ -66,8 +67,16 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = ()) -> 
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
         f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: rename the "
-        "columns, or set force_format and force_channel"
+        "columns, or set force_format and force_channel, or time_channel"
     )
+
+
+def _timed(dialect: Dialect, time: str | None) -> Dialect:
+    """A dialect whose column of the time has the name that the configuration gives, with its unit or without."""
+    if time is None:
+        return dialect
+    name = time.strip().lower()
+    return replace(dialect, time=(name, _name_and_unit(name, "brackets")[0]))
 
 
 def _cut(path: Path, text: str, delimiter: str) -> list[Row]:

@@ -31,6 +31,8 @@ _CUT = 2.5
 _KEPT_VARIANCE = 1.0 - 2.0 * _CUT * norm.pdf(_CUT) / (2.0 * norm.cdf(_CUT) - 1.0)
 #: Steps of non-negative least squares of seven unknowns, far more than they take.
 _MANY = 1000
+#: Level of a frame over that of the others, below which deformation took what is noise in it.
+_HIDDEN = 0.2
 _MAD = 1.0 / norm.ppf(0.75)
 
 
@@ -74,11 +76,13 @@ def local_fit(
 
 
 def _told(level: Float[np.ndarray, "frame 2"]) -> Float[np.ndarray, "frame 2"]:
-    """Levels, with that of a frame whose deformation took all of it, 0, as those of the others tell.
+    """Levels, with that of a frame whose deformation took nearly all of it as those of the others tell.
 
     The median of the same component's, or of both where that has none; a frame without any error would weigh all.
     """
-    told, level = np.where(level > 0.0, level, np.nan), level.copy()
+    usual = np.nanmedian(np.where(level > 0.0, level, np.nan), axis=0) if (level > 0.0).any(axis=0).all() else 0.0
+    hidden = ~(level > _HIDDEN * usual)
+    told, level = np.where(hidden, np.nan, level), np.where(hidden & np.isfinite(level), 0.0, level)
     if np.isnan(told).all():
         return level
     for component in (0, 1):

@@ -1,0 +1,84 @@
+"""Columns of positions and displacements in the words that people use, with units as they write them."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.dialects import BY_NAME
+from hypernode.dic.header import cells_of
+from hypernode.dic.points import UNITS
+
+#: Lines in which such a header is looked for.
+_LINES = 60
+#: Ways in which a unit stands behind a name: in brackets, or after a sign.
+_UNIT = re.compile(
+    r"^(?P<name>.*?)(?:\s*[\[(](?P<in>[^\[\]()]*)[\])]|\s*(?:[_,/]|\s|\bin\b)\s*(?P<after>mm|px|pixels?|um|µm|cm))$"
+)
+_PLACES = (
+    *("{}", "{}0", "{}pos", "{}position", "position{}", "pos{}", "{}coord", "{}coordinate", "coord{}", "coordinate{}"),
+    *("{}ref", "{}reference", "reference{}", "{}undeformed", "undeformed{}", "{}undef", "{}koordinate", "koordinate{}"),
+    *("{}coordonnée", "coordonnée{}", "coordonnee{}", "{}location", "location{}", "points{}", "point{}"),
+)
+_MOVED_PLACES = ("{}deformed", "deformed{}", "{}def", "def{}", "{}current", "current{}", "{}verformt", "{}déformé")
+_WORDS = ("displacement", "disp", "verschiebung", "verformung", "déplacement", "deplacement", "depl", "dépl")
+_MOVES = ("{0}", "{0}{1}", "u{1}", "d{1}", *(f"{{1}}{word}" for word in _WORDS), *(f"{word}{{1}}" for word in _WORDS))
+_MOVES += (*(f"{word}{{0}}" for word in _WORDS), *(f"{{0}}{word}" for word in _WORDS))
+_SIGNS = (",", ";", "\t", " ")
+
+
+def named_table(lines: Sequence[str]) -> Dialect | None:
+    """The dialect of a table whose header names positions and displacements; None where there is no such header.
+
+    Args:
+        lines: of the beginning of a file.
+    """
+    for line in lines[:_LINES]:
+        for sign in _SIGNS:
+            names = cells_of(line.lstrip("# "), sign)
+            if len(names) >= len("xyuv") and (found := _dialect(names, sign)):
+                return found
+    return None
+
+
+def _dialect(names: list[str], sign: str) -> Dialect | None:
+    split = [_name_and_unit(name) for name in names]
+    plain = [re.sub(r"[\s_.\-]+", "", name.lower()) for name, _ in split]
+    columns = {role: _column(plain, role, _PLACES, _MOVES) for role in "xyuv"}
+    deformed = False
+    if columns["x"] is None and columns["y"] is None:
+        columns |= {role: _column(plain, role, _MOVED_PLACES, _MOVES) for role in "xy"}
+        deformed = True
+    if None in columns.values() or len(set(columns.values())) < len(columns):
+        return None
+    stereo = {"z": _column(plain, "z", _PLACES, _MOVES), "w": _column(plain, "w", _PLACES, _MOVES)}
+    columns |= {} if None in stereo.values() else stereo
+    units = sorted({split[k][1] for k in columns.values()} - {""})
+    decimals = (".",) if sign in (",", " ") else (".", ",")
+    return replace(
+        BY_NAME["table"],
+        recognised=tuple(names[columns[role]] for role in "xyuv"),
+        **{role: (names[k],) for role, k in columns.items()},
+        unit=" and ".join(units) or None,
+        layouts=tuple((sign, decimal) for decimal in decimals),
+        deformed=deformed,
+        lost_position=not deformed,
+    )
+
+
+def _name_and_unit(name: str) -> tuple[str, str]:
+    """A column's name and its unit, empty where it has none that is known."""
+    match = _UNIT.match(name.strip())
+    unit = ((match["in"] or match["after"] or "") if match else "").strip()
+    known = unit.lower() in UNITS or (match and match["in"] is not None)
+    return (match["name"], unit) if match and known else (name, "")
+
+
+def _column(plain: list[str], role: str, places: tuple[str, ...], moves: tuple[str, ...]) -> int | None:
+    """Index of the one column of a role: the first word that any has; None where none or several have it."""
+    axis = {"u": "x", "v": "y", "w": "z"}.get(role, role)
+    words = [each.format(role) for each in places] if role in "xyz" else [each.format(role, axis) for each in moves]
+    for word in words:
+        if word in plain:
+            return plain.index(word) if plain.count(word) == 1 else None
+    return None

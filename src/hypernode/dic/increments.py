@@ -1,0 +1,67 @@
+"""Displacements from frame to frame: added up on request, and told by the force where nobody says so."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.dic.errors import DicError
+from hypernode.dic.series import Frame
+
+#: Fewest frames near the largest strain whose forces tell increments from displacements.
+_FEWEST = 4
+#: Share of the largest strain from which a strain is near it.
+_NEAR = 0.8
+#: Rise of the force among those, over the largest force, which no law has at nearly one strain.
+_RISE = 0.4
+#: Way of the force up and down over its rise, up to which it does nothing but rise.
+_RISES_ONLY = 1.2
+#: How much longer that way is in the order of the strain than in that of its sum, where the sum is the strain.
+_LONGER = 1.3
+
+
+def accumulated(frames: Sequence[Frame]) -> list[Frame]:
+    """Frames whose displacements are sums of those of a point, which moves with the sheet, up to each frame.
+
+    A point that is lost once is lost from then on.
+    """
+    total, sums = np.zeros_like(frames[0].displacement), []
+    for k, frame in enumerate(frames):
+        # Zero displacement of the reference, or the noise of its picture, belongs to no increment.
+        total = total + frame.displacement if k else np.where(np.isnan(frame.displacement), np.nan, 0.0)
+        sums.append(replace(frame, displacement=total))
+    return sums
+
+
+def refuse_increments(folder: str, strain: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> None:
+    """Nothing, where the force follows the strain of the frames rather than its sum.
+
+    Args:
+        folder: for the message.
+        strain: mean strain along the force, the reference first, in the order of the frames.
+        force: of the same frames.
+
+    Raises:
+        DicError: the force follows the sum of the strains of all frames so far, and not the strain.
+    """
+    strain = strain * (np.sign(strain.sum()) or 1.0)
+    near, largest = strain >= _NEAR * strain.max(), np.abs(force).max()
+    if near.sum() < _FEWEST or strain.max() <= 0.0:
+        return
+    rise = force[near][-1] - force[near][0]
+    way = np.abs(np.diff(force[near])).sum()
+    if rise < _RISE * largest or way > _RISES_ONLY * rise:
+        return
+    if _way(strain, force) > _LONGER * _way(np.cumsum(strain), force):
+        raise DicError(
+            f"{folder}: the force grows from {force[near][0]:.3g} to {force[near][-1]:.3g} N while the sheet stays "
+            f"near a mean strain of {np.median(strain[near]):.3g}: displacements are those since the frame before. "
+            "Correlate again with the first picture as the reference, or say increments: true (--set "
+            "increments=true), which adds up the displacements of every point"
+        )
+
+
+def _way(course: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> float:
+    """How far the force goes up and down in the order of a course."""
+    return float(np.abs(np.diff(force[np.argsort(course, kind="stable")])).sum())

@@ -1,0 +1,55 @@
+"""Whether the first frame shows the sheet at rest."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.errors import DicError
+from hypernode.dic.points import Points
+from hypernode.dic.sheet import Sheet
+
+#: Largest displacement of a reference, in steps of its grid: noise of a second picture of the sheet at rest.
+_AT_REST = 0.05
+#: The same where it is the picture that the others were compared with: rounding. Noise is a hundred times as large.
+_ITSELF = 1e-5
+
+
+def is_compared_with_itself(points: Points) -> bool:
+    """Whether a frame is the reference: its displacement is none but for rounding."""
+    step = np.sqrt(np.prod(np.ptp(points.position[:, :2], axis=0)) / len(points.position))
+    return bool(np.abs(np.nan_to_num(points.displacement)).max() <= _ITSELF * step)
+
+
+def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[], Points]) -> None:
+    """Nothing, where the first frame shows the sheet at rest.
+
+    Args:
+        sheet: as the first frame has it.
+        dialect: of the files.
+        last: reads the last frame.
+
+    Raises:
+        DicError: it does not; the message says which key does, where the last frame is at rest or none of them is.
+    """
+    points, step = sheet.at_rest, float(min(sheet.grid.step))
+    size = _moved(points)
+    if not np.isfinite(size).any() or np.nanmax(size) <= _AT_REST * step:
+        return
+    worst = int(np.nanargmax(size))
+    about = f"{points.path}:{points.line[worst]}: the first frame is moved by {size[worst]:.4g} {points.unit}: "
+    end = last()
+    if np.nanmax(_moved(end), initial=0.0) <= _AT_REST * step:
+        raise DicError(
+            f"{about}the last one, {end.path.name}, shows the sheet at rest, so that the numbers run backwards: say "
+            "newest_first: true (--set newest_first=true), or number the files in the order of the pictures"
+        )
+    raise DicError(
+        f"{about}export the reference of {dialect.software}, whose displacement is zero, as its first frame; where "
+        "displacements are from the sheet at rest, which is in no file, say implied_reference: true (--set "
+        "implied_reference=true)"
+    )
+
+
+def _moved(points: Points) -> np.ndarray:
+    return np.linalg.norm(points.displacement[:, :2], axis=1)

@@ -1,0 +1,52 @@
+"""The frames of a folder one by one, whichever way its files hold them, y upward."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from hypernode.dic.arrays import frames_of_arrays
+from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_subsets
+from hypernode.dic.dialect import Dialect
+from hypernode.dic.folder import Found
+from hypernode.dic.points import Points, read_points
+
+
+def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int], Points]]:
+    """(numbers of the frames, function that reads one, y upward)."""
+    files = list(found.files.values())
+    if dialect.content == "subset":
+        frames = frames_of_subsets(files, dialect)
+    elif dialect.content == "matrices":
+        frames = frames_of_matrices(files, dialect)
+    elif dialect.content == "arrays":
+        frames = frames_of_arrays(files[0], dialect)
+    elif dialect.content == "ncorr":
+        frames = frames_of_ncorr(files[0], dialect)
+    else:
+        return list(found.files), lambda number: _upward(read_points(found.files[number], dialect), dialect)
+    return list(frames), lambda number: _upward(frames[number], dialect)
+
+
+def backwards(available: list[int], read: Callable[[int], Points]) -> tuple[list[int], Callable[[int], Points]]:
+    """The same frames in the opposite order, numbered from the same first to the same last number."""
+    ends = available[0] + available[-1]
+    return [ends - number for number in reversed(available)], lambda number: read(ends - number)
+
+
+def _upward(points: Points, dialect: Dialect) -> Points:
+    """Points with y and its displacement upward."""
+    v_up = dialect.y_up if dialect.v_up is None else dialect.v_up
+    position, u = points.position.copy(), points.displacement.copy()
+    position[:, 1] *= 1.0 if dialect.y_up else -1.0
+    u[:, 1] *= 1.0 if v_up else -1.0
+    return replace(points, position=position, displacement=u)
+
+
+def without_lost_zeros(points: Points, dialect: Dialect) -> Points:
+    """Points of which those are lost whose displacement is exactly zero, where that marks a lost one."""
+    if not dialect.zero_is_lost:
+        return points
+    u = points.displacement.copy()
+    u[(u == 0.0).all(axis=1)] = np.nan
+    return replace(points, displacement=u)

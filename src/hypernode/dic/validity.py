@@ -1,0 +1,68 @@
+"""Which points a program marks as failed, by a column beside their displacements."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from hypernode.dic.dialect import NOT_A_NUMBER
+from hypernode.dic.errors import DicError
+from hypernode.dic.text import shown
+
+#: Columns of which a value below zero, or none at all, marks a failed point, in lower case: no correlation, residual or
+#: number of a state is negative.
+_BELOW_ZERO = (
+    *("zncc", "ncc", "cost_zncc", "corr", "corrcoef", "correlation", "correlation coefficient", "coefficient"),
+    *("sigma", "match", "gamma", "beta", "confidence", "quality", "score", "chi", "chi2", "residual"),
+    *("status", "status_flag", "statusflag", "state", "flag", "iteration", "iterations"),
+)
+#: Columns of which zero does as well.
+_ZERO = ("converged", "convergence_flag", "valid", "is_valid", "isvalid", "validity", "success", "ok", "good")
+#: Words of failed points in such columns.
+_FAILED = {"false", "f", "no", "n", "fail", "failed", "invalid", "bad", "lost", "error", "nok", "not converged"}
+
+#: Smallest and largest value of a valid point; None where there is no such bound.
+Range = tuple[float | None, float | None]
+
+
+def known_columns(names: list[str]) -> dict[str, int]:
+    """Name -> index of the columns of a header, without units, that are known to mark failed points."""
+    return {name: k for k, name in enumerate(names) if name.strip().lower() in _BELOW_ZERO + _ZERO}
+
+
+def named_columns(path: Path, line: int, names: list[str], valid: Mapping[str, Range]) -> dict[str, int]:
+    """The same of the columns that the configuration names.
+
+    Raises:
+        DicError: the header has none of a name.
+    """
+    for name in valid:
+        if name not in names:
+            raise DicError(f"{path}:{line}: no column {name!r} among {shown(names)}: correct the name in the key valid")
+    return {name: names.index(name) for name in valid}
+
+
+def value_of(cell: str, decimal: str) -> float:
+    """The number in a cell of such a column, NaN where there is none; of a word -1 where it says no, else 1."""
+    word = cell.strip().strip('"').lower()
+    if word in NOT_A_NUMBER:
+        return np.nan
+    try:
+        return float(word.replace(",", ".") if decimal == "," else word)
+    except ValueError:
+        return -1.0 if word in _FAILED else 1.0
+
+
+def failed(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, Range]) -> Bool[np.ndarray, " point"]:
+    """Which points a column marks as failed.
+
+    A column that the configuration does not name and that would fail all points says nothing of any.
+    """
+    if name in valid:
+        low, high = (
+            default if end is None else end for end, default in zip(valid[name], (-np.inf, np.inf), strict=True)
+        )
+        return ~((values >= low) & (values <= high))
+    lost = ~(values > 0.0) if name.strip().lower() in _ZERO else ~(values >= 0.0)
+    return np.zeros(len(values), dtype=bool) if lost.all() else lost
