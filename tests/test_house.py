@@ -24,6 +24,7 @@ ALLOWED = {
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "pictures": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "progress", "mechanics", "fem", "data", "config"},
+    "baselines": {"errors", "mechanics", "fem", "data"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
     "polishing": {
         *("errors", "verdict", "progress", "mechanics", "networks", "fem", "data", "material", "config"),
@@ -60,7 +61,7 @@ ALLOWED = {
     "stages": {
         *("errors", "progress", "mechanics", "networks", "fem", "storage", "config", "data", "material", "dic"),
         *("verdict", "synthetic", "pictures", "identification", "advice", "polishing", "training", "evaluation"),
-        "explorer",
+        *("explorer", "baselines"),
     },
     "commands": {
         *("errors", "installation", "verdict", "config", "mechanics", "synthetic", "inspection", "figures", "tables"),
@@ -169,7 +170,11 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 
 
 @pytest.mark.parametrize(
-    "name", ["identification", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics", "export"]
+    "name",
+    [
+        *("identification", "baselines", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        "export",
+    ],
 )
 def test_mathematics_opens_no_file(name):
     wrong = [

@@ -9,6 +9,11 @@ from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positiv
 from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.networks.terms import POTENTIAL_NAMES, POWERS, TERMS
 
+#: Methods without networks.
+BASELINES = (
+    *("homogeneous", "virtual_fields", "equilibrium_gap", "constitutive_gap", "reciprocity_gap", "updating"),
+    "constrained",
+)
 #: Losses that differentiate the interpolated fields at points.
 POINTWISE = ("autodiff", "batch_mean", "wrong_index")
 
@@ -147,10 +152,16 @@ class Method(Section):
     Either all sections from ``node`` to ``training`` are given, or ``baseline``, or ``extends`` and what differs.
     """
 
-    baseline: Literal["homogeneous", "equilibrium_gap", "constrained"] | None = None
-    """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``equilibrium_gap`` (a
-    modulus a cell, for which the measured deformation is in equilibrium), or ``constrained`` (the field of that
-    section itself; with ``terms: []`` this is neo-Hookean model updating)."""
+    baseline: Literal[BASELINES] | None = None
+    """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``virtual_fields`` (moduli
+    of regions by sensitivity-based virtual fields), ``equilibrium_gap`` (a modulus a cell, for which the measured
+    deformation is in equilibrium), ``constitutive_gap`` (a modulus a cell, closest to a stress in equilibrium),
+    ``reciprocity_gap`` (the place of an inclusion from the outline), ``updating`` (moduli of regions by finite-element
+    model updating), or ``constrained`` (the field of that section itself; with ``terms: []`` this is neo-Hookean
+    model updating of every cell)."""
+    regions: Literal["one", "two", "cells"] = "two"
+    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the equilibrium
+    gap, or every cell (not of ``updating``)."""
     constrained: Constrained | None = None
     """The equilibrium field that replaces the displacements and whose stress the networks learn; left out, the
     measurement is differentiated."""
@@ -188,6 +199,10 @@ class Method(Section):
             idle = [key for key in (*stages, "interpolant", "polish") if getattr(self, key) is not None]
             if idle:
                 raise ValueError(f"a baseline has no networks: leave out {', '.join(idle)}")
+            if self.baseline == "updating" and self.regions == "cells":
+                raise ValueError(
+                    "updating of every cell is the baseline constrained with terms: []; say regions one or two here"
+                )
             if (self.constrained is None) == (self.baseline == "constrained"):
                 raise ValueError("the section constrained goes with baseline 'constrained', and only with that one")
             return self

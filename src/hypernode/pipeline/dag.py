@@ -49,7 +49,7 @@ STAGE_SETTINGS = {
     "pretrained": ("hypernetwork", "initialisation", "pretraining", "normalised", "prior_weight", "seed"),
     "polished": ("hypernetwork", "constrained", "polish", "seed"),
     "material": ("hypernetwork", "initialisation", "training", "normalised", "prior_weight", "seed"),
-    "baseline": ("baseline", "seed"),
+    "baseline": ("baseline", "regions", "seed"),
 }
 #: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
 NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}
