@@ -19,7 +19,7 @@ NAVIGATION = {
         *("../config/README", "reference/configuration", "reference/commands", "schema", "reference/interface"),
         "glossary",
     ),
-    "Background": ("equations", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
+    "Background": ("equations", "paper", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
 }
 
 
