@@ -56,7 +56,7 @@ def test_the_published_method_runs_on_every_sheet_of_the_paper(config):
         name for name, case in config.cases.items() if {"paper_as_published", "published_40"} & {*case.methods}
     }
     noisy = {"ring", "ring_low", "ring_high", "ring_low_twice", "ring_low_thrice", "ring_low_x", "ring_low_xy"}
-    assert published >= {"P_soft", "X"} | noisy
+    assert published >= {"P_soft", "X", "X_published"} | noisy
     assert set(presets()) >= {"paper", "paper_as_published", "hypernode"}
 
 
