@@ -5,7 +5,7 @@ DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy endurance cluster \
+.PHONY: all resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations endurance cluster \
     slurm wheel pythons docs doctest report bench next-test strangers clean
 
 # On a cluster: make PROFILE=profiles/slurm
@@ -58,6 +58,10 @@ smoke: $(VENV)/dev
 accuracy: $(VENV)/dev
 	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
 	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
+
+# Ablations, seeds and other functions that neither the paper nor the README needs, into results/.
+ablations: $(VENV)/run
+	$(RUN) --configfile config/ablations.yaml
 
 # The explorer in Chromium, which the system must have: apt-get install chromium.
 browser: $(VENV)/browser

@@ -46,7 +46,13 @@ def stages(config, case: str, method_name: str, measurement: str, folder: Path):
             "interpolant",
             False,
             lambda: interpolant.run(
-                method.interpolant, method.seed, case, made["gradient"], made["interpolant"], attributes
+                method.interpolant,
+                method.seed,
+                case,
+                made["gradient"],
+                made["interpolant"],
+                attributes,
+                method.normalised,
             ),
         )
     yield (

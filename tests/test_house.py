@@ -25,6 +25,7 @@ ALLOWED = {
     "synthetic": {"errors", "progress", "mechanics", "fem", "data", "config"},
     "pictures": {"errors", "installation", "progress", "mechanics", "fem", "data", "config"},
     "identification": {"errors", "verdict", "trace", "progress", "mechanics", "fem", "data", "config"},
+    "baselines": {"errors", "mechanics", "fem", "data"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
     "polishing": {
         *("errors", "verdict", "progress", "mechanics", "networks", "fem", "data", "material", "config"),
@@ -71,7 +72,7 @@ ALLOWED = {
             "training",
             "evaluation",
         ),
-        "explorer",
+        *("explorer", "baselines"),
     },
     "commands": {
         *(
@@ -191,7 +192,11 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 
 
 @pytest.mark.parametrize(
-    "name", ["identification", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics", "export"]
+    "name",
+    [
+        *("identification", "baselines", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        "export",
+    ],
 )
 def test_mathematics_opens_no_file(name):
     wrong = [

@@ -19,7 +19,9 @@ NAVIGATION = {
         *("../config/README", "reference/configuration", "reference/commands", "schema", "reference/interface"),
         "glossary",
     ),
-    "Background": ("how-identification-decides", "equations", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
+    "Background": (
+        *("how-identification-decides", "equations", "paper", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
+    ),
 }
 
 

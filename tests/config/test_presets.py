@@ -7,6 +7,7 @@ import pytest
 from hypernode.config.loading import ConfigError, check_config, load_config
 from hypernode.config.methods import Method
 from hypernode.config.presets import presets
+from hypernode.material.node_material import NodeMaterial
 from tests.config.test_config import BASE
 
 
@@ -62,10 +63,20 @@ def test_a_preset_can_be_changed_under_its_own_name():
     assert methods["hypernode"].seed == methods["more"].seed == 7
 
 
-def test_the_paper_as_published_has_its_architecture_and_its_loss():
+def test_the_paper_as_published_departs_in_nothing_that_a_key_names():
+    """Its networks have the published sizes and parameter count, and nothing is added to its loss."""
     published = Method.model_validate(presets()["paper_as_published"])
+    assert (published.interpolant.features, published.interpolant.widths) == (100, [40, 40])
     assert (published.hypernetwork.features, published.hypernetwork.widths) == (40, [40, 40])
-    assert (published.training.equilibrium, published.training.variation_weight) == ("autodiff", 0.0)
+    node = published.node
+    material = NodeMaterial(tuple(node.terms), tuple(node.hidden), node.rk4_steps, 1.0, 1.0, node.share, node.scaled)
+    assert material.size == 126 and (node.share, node.scaled) == (1.0, False)
+    assert NodeMaterial(("I1", "I2"), (4, 4), 2, 1.0, 1.0).size == 50
+    assert published.gradient == "finite_difference" and not published.normalised
+    assert (published.homogenised.ridge, published.prior_weight, published.initialisation.from_bias) == (0, 0, False)
+    loss = published.training
+    assert (loss.equilibrium, loss.traction, loss.equilibrium_weight) == ("autodiff", "nodal", 1.0)
+    assert (loss.variation_weight, loss.target_weight) == (0.0, 0.0)
 
 
 WRONG = [
@@ -82,6 +93,10 @@ WRONG = [
     ({"paper": {"seed": 2}}, r"c\.yaml:2: methods\.paper: a preset has this name: say 'extends: paper'"),
     ({"x": {"extends": "paper", "nodes": {}}}, r"methods\.x\.nodes: unknown key; did you mean 'node'"),
     ({"x": {"extend": "paper"}}, r"methods\.x\.extend: unknown key; did you mean 'extends'"),
+    (
+        {"x": {"extends": "paper", "training": {"traction": "nodal"}}},
+        r"methods\.x: training\.traction 'nodal' goes with a residual at points, .* autodiff or",
+    ),
     ({"x": {"extends": "paper", "node": None}}, r"c\.yaml:2: methods\.x: a method also needs node"),
 ]
 

@@ -4,11 +4,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from hypernode.baselines.equilibrium_gap import homogeneous_modulus
 from hypernode.config.methods import Constrained
 from hypernode.data.loading import Loading
 from hypernode.fem.equilibrium_gap import relative_gap
 from hypernode.fem.gradient import deformation_gradient, mean_gradient
-from hypernode.identification.baselines import homogeneous_modulus
 from hypernode.identification.problem import field_problem
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import CONSTRAINED, make_load

@@ -11,7 +11,7 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.material.laws import node_stress
 from hypernode.material.node_material import NodeMaterial
 from hypernode.networks.weights import make_network
-from hypernode.training.losses import divergence, variation
+from hypernode.training.losses import PENALTIES, SMALLEST_RESIDUAL, divergence, variation
 
 NODE = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 4, 0.4, 1.0)
 LENGTH = 2.0
@@ -64,3 +64,12 @@ def test_variation_is_the_length_of_a_contour_times_the_contrast_across_it():
     assert stiff[-1] and not stiff[0]
     flat = cost(node_stress(NODE, at, jnp.tile(params[:, None], (1, len(mesh.cells)))))
     np.testing.assert_allclose(cost(node_stress(NODE, at, field)) - flat, (contrast - 0.02) / LENGTH, rtol=2e-3)
+
+
+def test_a_large_divergence_costs_its_length_where_the_penalty_is_absolute():
+    length = jnp.array([1e-3, 1.0, 100.0]) * SMALLEST_RESIDUAL
+    np.testing.assert_allclose(PENALTIES["square"](length**2), length**2)
+    absolute = PENALTIES["absolute"](length**2)
+    np.testing.assert_allclose(absolute[2], length[2] - SMALLEST_RESIDUAL, rtol=1e-3)
+    slope = jax.vmap(jax.grad(PENALTIES["absolute"]))(length**2)
+    np.testing.assert_allclose(slope, 0.5 / jnp.hypot(length, SMALLEST_RESIDUAL), rtol=1e-5)

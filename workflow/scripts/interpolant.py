@@ -13,4 +13,5 @@ with job(snakemake) as attributes:
         snakemake.input[0],
         snakemake.output[0],
         attributes,
+        snakemake.params.settings["normalised"],
     )

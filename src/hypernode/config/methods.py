@@ -4,9 +4,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from hypernode.config.optimisers import Homogenisation, Initialisation, Optimiser, Polish, Pretraining
 from hypernode.config.section import Count, NonNegative, NonNegativeInt, Positive, Section
 from hypernode.mechanics.parameters import BASIS_TERMS
 from hypernode.networks.terms import POTENTIAL_NAMES, POWERS, TERMS
+
+#: Methods without networks.
+BASELINES = (
+    *("homogeneous", "virtual_fields", "equilibrium_gap", "constitutive_gap", "reciprocity_gap", "updating"),
+    "constrained",
+)
+#: Losses that differentiate the interpolated fields at points.
+POINTWISE = ("autodiff", "batch_mean", "wrong_index")
 
 
 class Frequencies(Section):
@@ -19,42 +28,6 @@ class Frequencies(Section):
     hyper-network is at most 0.175 for each cell along the longest side."""
     widths: list[Count] = Field(min_length=1)
     """Neurons of each hidden layer."""
-
-
-class Optimiser(Section):
-    """How a stage is trained."""
-
-    iterations: NonNegativeInt
-    """Number of iterations; a stage of the hyper-network with 0 is left out."""
-    learning_rate: Positive = 0.01
-    """Learning rate of the first iteration."""
-    algorithm: Literal["adam", "muon"] = "muon"
-    """Optimiser; Muon needs fewer iterations for the same loss (docs/decisions/0006)."""
-    points: Count | None = None
-    """Points drawn anew in each iteration; left out, what the stage is used to."""
-
-
-class Pretraining(Optimiser):
-    """The stage in which the hyper-network learns a target everywhere."""
-
-    tolerance: Positive = 0.006
-    """Relative error of the stress against that of the constrained field beyond which the network is trained again:
-    once from where it is, then from other random weights. The best is kept."""
-    rounds: Count = 3
-    """How often it is trained at most."""
-
-
-class Polish(Section):
-    """The stage in which the pre-trained network itself is brought to explain displacements and forces."""
-
-    iterations: NonNegativeInt = 12
-    """Largest number of Gauss-Newton steps; with 0 the network is judged on the held-out load steps, and left as it
-    is."""
-    deviation: Positive = 0.1
-    """How far, relative, the stress under homogeneous deformations may come away from that of the pre-trained network:
-    its standard deviation before the data are seen."""
-    tolerance: Positive = 2e-4
-    """It ends where a step lowers the cost by less than this times what noise alone costs."""
 
 
 class Interpolant(Frequencies, Optimiser):
@@ -117,6 +90,13 @@ class Training(Optimiser):
     target_weight: NonNegative = 0.0
     """Weight of the target of the pre-training (the stress of the constrained field, or the uniform stress), which
     decides among the stress fields that one noisy test cannot tell apart."""
+    penalty: Literal["square", "absolute"] = "square"
+    """What the length of the divergence at a point costs: its square, or, past a small size, itself, so that the jump
+    of a material counts for less. Of ``autodiff`` and ``wrong_index``."""
+    traction: Literal["resultant", "nodal"] = "resultant"
+    """What is compared at the outline: the mean traction of each edge with its force over its length, or the traction
+    at each node with that of the computed sheet. Of a test that knows its resultants alone, these are spread evenly
+    over the nodes."""
     variation_weight: NonNegative = 0.0
     """Cost of the stress's total variation under the sheet's mean deformation."""
 
@@ -172,10 +152,16 @@ class Method(Section):
     Either all sections from ``node`` to ``training`` are given, or ``baseline``, or ``extends`` and what differs.
     """
 
-    baseline: Literal["homogeneous", "equilibrium_gap", "constrained"] | None = None
-    """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``equilibrium_gap`` (a
-    modulus a cell, for which the measured deformation is in equilibrium), or ``constrained`` (the field of that
-    section itself; with ``terms: []`` this is neo-Hookean model updating)."""
+    baseline: Literal[BASELINES] | None = None
+    """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``virtual_fields`` (moduli
+    of regions by sensitivity-based virtual fields), ``equilibrium_gap`` (a modulus a cell, for which the measured
+    deformation is in equilibrium), ``constitutive_gap`` (a modulus a cell, closest to a stress in equilibrium),
+    ``reciprocity_gap`` (the place of an inclusion from the outline), ``updating`` (moduli of regions by finite-element
+    model updating), or ``constrained`` (the field of that section itself; with ``terms: []`` this is neo-Hookean
+    model updating of every cell)."""
+    regions: Literal["one", "two", "cells"] = "two"
+    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the equilibrium
+    gap, or every cell (not of ``updating``)."""
     constrained: Constrained | None = None
     """The equilibrium field that replaces the displacements and whose stress the networks learn; left out, the
     measurement is differentiated."""
@@ -187,9 +173,9 @@ class Method(Section):
     """The material of a point."""
     hypernetwork: Frequencies | None = None
     """The network from a position to the parameters of its material."""
-    homogenised: Optimiser | None = None
+    homogenised: Homogenisation | None = None
     """First stage: one material for the whole sheet."""
-    initialisation: Optimiser | None = None
+    initialisation: Initialisation | None = None
     """Second stage: the hyper-network learns that material everywhere."""
     pretraining: Pretraining | None = None
     """Third stage: it learns the stress of the constrained field, or a uniform one."""
@@ -198,6 +184,9 @@ class Method(Section):
     equilibrium, and is kept if load steps that it did not see agree better; left out, it stays as it is."""
     training: Training | None = None
     """Last stage: equilibrium and edge forces."""
+    normalised: bool = True
+    """Whether deformations, invariants and stresses are divided by their size, so that every load step counts the
+    same; otherwise all are as they are, in the units of the test."""
     prior_weight: NonNegative = 1e-3
     """Cost of materials that differ from plain ones (docs/decisions/0004)."""
     seed: NonNegativeInt = 0
@@ -210,16 +199,25 @@ class Method(Section):
             idle = [key for key in (*stages, "interpolant", "polish") if getattr(self, key) is not None]
             if idle:
                 raise ValueError(f"a baseline has no networks: leave out {', '.join(idle)}")
+            if self.baseline == "updating" and self.regions == "cells":
+                raise ValueError(
+                    "updating of every cell is the baseline constrained with terms: []; say regions one or two here"
+                )
             if (self.constrained is None) == (self.baseline == "constrained"):
                 raise ValueError("the section constrained goes with baseline 'constrained', and only with that one")
             return self
         missing = [key for key in stages if getattr(self, key) is None]
         if missing:
             raise ValueError(f"a method also needs {', '.join(missing)} (or name a baseline)")
-        if self.interpolant is None and self.training.equilibrium in ("autodiff", "batch_mean", "wrong_index"):
+        if self.interpolant is None and self.training.equilibrium in POINTWISE:
             raise ValueError(
                 f"training.equilibrium '{self.training.equilibrium}' needs an interpolant: only that can be "
                 "differentiated"
+            )
+        if self.training.traction == "nodal" and self.training.equilibrium not in POINTWISE:
+            raise ValueError(
+                "training.traction 'nodal' goes with a residual at points, training.equilibrium "
+                f"{' or '.join(POINTWISE)}"
             )
         if self.polish and (not self.constrained or not self.pretraining.iterations or self.training.iterations):
             raise ValueError(

@@ -43,13 +43,13 @@ def _missing_engine(engine: str) -> str | None:
 STAGE_SETTINGS = {
     "constrained": ("constrained",),
     "gradient": ("gradient",),
-    "interpolant": ("interpolant", "seed"),
-    "homogenised": ("node", "homogenised", "seed"),
+    "interpolant": ("interpolant", "normalised", "seed"),
+    "homogenised": ("node", "homogenised", "normalised", "seed"),
     "initialised": ("hypernetwork", "initialisation", "seed"),
-    "pretrained": ("hypernetwork", "pretraining", "prior_weight", "seed"),
+    "pretrained": ("hypernetwork", "initialisation", "pretraining", "normalised", "prior_weight", "seed"),
     "polished": ("hypernetwork", "constrained", "polish", "seed"),
-    "material": ("hypernetwork", "training", "prior_weight", "seed"),
-    "baseline": ("baseline", "seed"),
+    "material": ("hypernetwork", "initialisation", "training", "normalised", "prior_weight", "seed"),
+    "baseline": ("baseline", "regions", "seed"),
 }
 #: The stages that train the hyper-network, in their order, and the section of a method with their iterations.
 NETWORK_STAGES = {"initialised": "initialisation", "pretrained": "pretraining", "material": "training"}

@@ -1,39 +1,71 @@
 """What every mechanics laboratory knows: identifications without networks, on the same data.
 
-One modulus for the whole sheet; a neo-Hookean modulus in every cell from the equilibrium gap of the measured
-deformation (a virtual-fields method with one hat function a node); or the constrained field as it is.
+Moduli of a neo-Hookean sheet by the methods of :mod:`hypernode.baselines`; or the constrained field as it is.
 """
 
 import numpy as np
+import xarray as xr
 
+from hypernode.baselines.constitutive_gap import constitutive_gap_moduli
+from hypernode.baselines.equilibrium_gap import NEO_HOOKEAN, equilibrium_gap_moduli, homogeneous_modulus
+from hypernode.baselines.reciprocity_gap import reciprocity_gap_moduli
+from hypernode.baselines.regions import two_regions
+from hypernode.baselines.updating import updated_moduli
+from hypernode.baselines.virtual_fields import virtual_fields_moduli
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import field_gradient, mesh_of
-from hypernode.identification.baselines import NEO_HOOKEAN, equilibrium_gap_moduli, homogeneous_modulus
+from hypernode.data.lost import filled
+from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of
 from hypernode.material.basis_file import basis_content, basis_field
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
+from hypernode.storage.schema import without_truth
+
+
+def moduli_of(method: Method, measurement: xr.Dataset, F) -> tuple[np.ndarray, dict]:
+    """(coefficient of every cell, what else was found) by the method's baseline, from opened data without truth."""
+    mesh, loading, name = mesh_of(measurement), Loading.of(measurement), method.baseline
+    if name == "homogeneous":
+        return np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F)), {}
+    if name == "constitutive_gap":
+        moduli, alternations = constitutive_gap_moduli(mesh, loading, F)
+        return moduli, {"alternations": alternations}
+    u = filled(mesh, measured_displacement(measurement))
+    if name == "reciprocity_gap":
+        force = (
+            measurement["nodal_force"].values / measurement.attrs["thickness"] if "nodal_force" in measurement else None
+        )
+        return reciprocity_gap_moduli(mesh, loading, F, u, force), {}
+    if name in ("virtual_fields", "updating") and method.regions == "one":
+        region, found = np.zeros(len(mesh.cells), int), {}
+    elif name in ("virtual_fields", "updating") and method.regions == "cells":
+        region, found = np.arange(len(mesh.cells)), {}
+    else:
+        moduli, weight = equilibrium_gap_moduli(mesh, loading, F, method.seed)
+        found = {"smoothness_weight": weight}
+        if name == "equilibrium_gap":
+            return moduli, found
+        region = two_regions(moduli)
+    if name == "virtual_fields":
+        return virtual_fields_moduli(mesh, loading, F, region), found
+    return updated_moduli(mesh, loading, u, region, homogeneous_modulus(mesh, loading, F)), found
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
     """Identify a material without networks and write it.
 
     Args:
-        method: holds ``baseline`` and ``seed``.
+        method: holds ``baseline``, ``regions`` and ``seed``.
         files: ``measurement`` and ``field`` (the deformation gradient), and ``constrained`` for that baseline.
     """
-    measurement = read(files["measurement"])
+    measurement = without_truth(read(files["measurement"]))
     mesh = mesh_of(measurement)
     found, F = {}, field_gradient(read(files["field"]))
     if method.baseline == "constrained":
         basis, params = basis_field(read(files["constrained"]))
     else:
-        loading = Loading.of(measurement)
-        if method.baseline == "homogeneous":
-            moduli = np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F))
-        else:
-            moduli, found["smoothness_weight"] = equilibrium_gap_moduli(mesh, loading, F, method.seed)
+        moduli, found = moduli_of(method, measurement, F)
         basis, params = NEO_HOOKEAN, np.log(moduli)[None, None]
     content, kind = basis_content(basis, params)
     seen, measures = domain_content(Domain.of(np.moveaxis(F, (0, 1), (2, 3)), basis.has_fibres))

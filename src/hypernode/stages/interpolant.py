@@ -10,11 +10,19 @@ from hypernode.storage.schema import without_truth
 from hypernode.training.interpolant import fit_interpolant, relative_variance
 
 
-def run(settings: Interpolant, seed: int, name: str, gradient_file: str, output: str, attributes: dict) -> None:
+def run(
+    settings: Interpolant,
+    seed: int,
+    name: str,
+    gradient_file: str,
+    output: str,
+    attributes: dict,
+    normalised: bool = True,
+) -> None:
     """Fit the interpolant of one case and write its networks and what they make of F."""
     data = without_truth(read(gradient_file))
     mesh, F = mesh_of(data), data["F"].values
-    found = fit_interpolant(settings, seed, name, mesh, data["load_case"].values, F)
+    found = fit_interpolant(settings, seed, name, mesh, data["load_case"].values, F, normalised)
     variables = {key: data[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     for case, network in enumerate(found.networks):
         variables |= to_arrays(network, f"interpolant{case}")

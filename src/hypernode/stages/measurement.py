@@ -22,6 +22,8 @@ def run(config: Config, name: str, forward_file: str, output: str, attributes: d
         mesh, u = observed_by(case.camera, mesh, u)
     copied = ("corners", "load_case", "stretch", "H", "edge_force", "edge_constrained")
     variables = {key: forward[key].values for key in copied}
+    if not case.camera:
+        variables["nodal_force"] = forward["nodal_force"].values
     variables["relaxation"] = np.ones(len(forward["load_case"]))
     variables["relative_thickness"] = np.ones(len(mesh.cells))
     scatter = np.full((len(forward["load_case"]), 2), noise.sigma)

@@ -79,6 +79,7 @@ VARIABLES = {
     "edge_force": Variable(
         ("load_step", "edge", "i"), "force", "outward resultant on each edge; NaN where not measured"
     ),
+    "nodal_force": Variable(("load_step", "node", "i"), "force", "outward force on each node of the computed outline"),
     "relaxation": Variable(
         ("load_step",), "1", "recorded force over that of an elastic sheet as stiff as this one at the test's pace"
     ),

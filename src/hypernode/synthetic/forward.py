@@ -56,6 +56,7 @@ def solve_loads(truth, loads: Sequence[Load], name: str) -> dict[str, np.ndarray
                     "F_quadrature": F,
                     "P_quadrature": np.asarray(at_points(F, parameters)),
                     "edge_force": resultants(solver, field, load),
+                    "nodal_force": solver.internal_force(field),
                     "edge_constrained": constrained,
                     "load_case": number,
                     "stretch": load.stretch[step],

@@ -17,10 +17,6 @@ from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.kinematics import invariants
 from hypernode.training.loop import Fit, data_as_arguments, minimise
 
-#: Weight of the squared neural-ODE weights and of the constants' departure from their start. The
-#: homogenised fit has more parameters than data; this picks the plainest of the many that fit.
-RIDGE_WEIGHTS, RIDGE_CONSTANTS = 1e-6, 1e-6
-
 
 class Homogenised(NamedTuple):
     """The homogenised material.
@@ -46,18 +42,20 @@ def fit_homogenised(
 ) -> Homogenised:
     """Fit the homogenised material to force over cross-section (equation ``pre-training1-3``).
 
-    Components whose resultant is not measured and that are not free carry no data. The stress unit
-    and the invariant unit of the networks are set here, from the largest load step. So are their terms: powers of
-    stretches join where ``field_terms``, those of the equilibrium field that they will learn, have them.
+    Components whose resultant is not measured and that are not free carry no data. The units of stress and of the
+    invariants in the networks are set here: those of the largest load step, or none where the method does not
+    normalise. So are their terms: powers of stretches join where ``field_terms``, those of the equilibrium field that
+    they will learn, have them.
     """
     mean_F = jnp.asarray(mean_gradient(mesh, F), jnp.float32)
     largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
+    unit = loading.scale if method.normalised else np.ones_like(loading.scale)
     node = NodeMaterial(
         (*method.node.terms, *(method.node.further_terms if "ogden" in field_terms else ())),
         tuple(method.node.hidden),
         method.node.rk4_steps,
-        invariant_scale=largest,
-        stress_scale=float(loading.scale.max()),
+        invariant_scale=largest if method.normalised else 1.0,
+        stress_scale=float(unit.max()),
         share=method.node.share,
         scaled=method.node.scaled,
         potential=method.node.potential,
@@ -66,14 +64,14 @@ def fit_homogenised(
     start = node.initial_params(jax.random.key(method.seed))
     target = jnp.asarray(loading.P_average, jnp.float32)
     known = jnp.asarray(loading.measured, jnp.float32)
-    scale = jnp.asarray(loading.scale, jnp.float32)[:, None, None]
+    scale = jnp.asarray(unit, jnp.float32)[:, None, None]
 
     def predicted(params):
         return jnp.moveaxis(node_stress(fitted, mean_F, params[:, None])[..., 0], -1, 0)
 
     def loss(params, key):
         ode, _, constants, _ = node.split(params)
-        ridge = RIDGE_WEIGHTS * jnp.sum(ode**2) + RIDGE_CONSTANTS * jnp.sum((constants - node.split(start)[2]) ** 2)
+        ridge = method.homogenised.ridge * (jnp.sum(ode**2) + jnp.sum((constants - node.split(start)[2]) ** 2))
         return jnp.mean(known * ((predicted(params) - target) / scale) ** 2) + ridge
 
     fit = minimise(loss, start, method.homogenised, stage="homogenised NODE", case=name, seed=method.seed)

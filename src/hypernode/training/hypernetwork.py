@@ -91,7 +91,8 @@ def train(problem: InverseProblem) -> Fit:
         # All deformations in one go: the neural ODEs are most of what there is to compile.
         P = node_stress(problem.node, F, node_params)
         total = physics(P[:, :, :steps], network, key)
-        total += method.prior_weight * problem.node.departure(node_params, problem.centre)
+        if method.prior_weight > 0:
+            total += method.prior_weight * problem.node.departure(node_params, problem.centre)
         if settings.variation_weight > 0:
             total += settings.variation_weight * contours(P[:, :, steps:])
         if settings.target_weight > 0:

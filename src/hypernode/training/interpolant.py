@@ -66,7 +66,13 @@ class FittedInterpolant(NamedTuple):
 
 
 def fit_interpolant(
-    settings: Interpolant, seed: int, name: str, mesh: Mesh, load_case, F: Float[np.ndarray, "step cell 2 2"]
+    settings: Interpolant,
+    seed: int,
+    name: str,
+    mesh: Mesh,
+    load_case,
+    F: Float[np.ndarray, "step cell 2 2"],
+    normalised: bool = True,
 ) -> FittedInterpolant:
     """Fit one network a load case to F at the cell centres (equation ``eq_training_FDM_Fint``).
 
@@ -76,6 +82,8 @@ def fit_interpolant(
     amplitude = np.sqrt(np.mean((F - np.eye(2)) ** 2, axis=(1, 2, 3)))
     t = np.array([amplitude[k] / amplitude[load_case == load_case[k]].max() for k in range(len(load_case))])
     X = jnp.asarray((mesh.centres - mesh.lower) / float(mesh.size.max()), jnp.float32)
+    if not normalised:
+        amplitude = np.ones_like(amplitude)
     networks, losses, fitted = [], [], np.empty_like(F)
     for case in range(load_case.max() + 1):
         steps = np.flatnonzero(load_case == case)

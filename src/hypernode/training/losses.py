@@ -12,12 +12,21 @@ from hypernode.fem.gradient import mean_gradient
 from hypernode.fem.nodal_forces import nodal_force_matrices
 from hypernode.material.laws import node_stress
 from hypernode.training.interpolant import InterpolatedGradient
+from hypernode.training.outline import TRACTIONS, mean_tractions
 from hypernode.training.problem import InverseProblem
 
 #: Relative jumps of the stress below this size are smoothed rather than counted, as those of a constrained field.
 SMALLEST_JUMP = 0.02
+#: Divergences below this size, in stress over the length of the sheet, cost their square where larger ones cost
+#: themselves.
+SMALLEST_RESIDUAL = 0.1
 #: Collocation points of the pointwise strong form in one iteration, where the config says nothing.
 DEFAULT_POINTS = 250
+#: What a divergence costs, from the square of its length.
+PENALTIES = {
+    "square": lambda squared: squared,
+    "absolute": lambda squared: jnp.sqrt(squared + SMALLEST_RESIDUAL**2) - SMALLEST_RESIDUAL,
+}
 
 
 def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
@@ -39,36 +48,6 @@ def equilibrated(problem: InverseProblem, settings: Training) -> Callable:
     return loss
 
 
-def _edge_terms(problem: InverseProblem) -> Callable:
-    """Mean squared error of measured resultants and of tractions on free edges, from edge cells.
-
-    The resultant enters through the cells along each edge (``main_loss_function``); only pairs of
-    edge and component that are measured or free contribute.
-    """
-    mesh, loading = problem.mesh, problem.loading
-    low, high = mesh.centres.min(axis=0), mesh.centres.max(axis=0)
-    spacing = np.sqrt(mesh.areas.mean())
-    groups = []
-    for edge, (axis, sign) in enumerate(((0, -1), (0, 1), (1, -1), (1, 1))):
-        on = np.abs(mesh.centres[:, axis] - (high if sign > 0 else low)[axis]) < 0.25 * spacing
-        groups.append((edge, axis, np.flatnonzero(on)))
-
-    def terms(P):
-        """Mean squared error of the mean traction on every edge that is measured or free."""
-        total = 0.0
-        for edge, axis, cells in groups:
-            for i in range(2):
-                traction = P[i, axis][:, cells] / problem.scale[:, None]
-                held = loading.constrained[loading.load_case, edge, i]
-                known = loading.measured[:, i, axis] & held
-                target = jnp.asarray(loading.P_average[:, i, axis] / loading.scale, jnp.float32)
-                total += jnp.mean(jnp.asarray(known) * (jnp.mean(traction, axis=1) - target) ** 2)
-                total += jnp.mean(jnp.asarray(~held)[:, None] * traction**2)
-        return total
-
-    return terms
-
-
 def strong(problem: InverseProblem, settings: Training) -> Callable:
     """Mean square of the central-difference divergence at interior nodes, plus edge terms."""
     mesh = problem.mesh
@@ -76,7 +55,7 @@ def strong(problem: InverseProblem, settings: Training) -> Callable:
     interior = np.flatnonzero(count == 4)
     nodal_area = np.bincount(mesh.cells.ravel(), np.repeat(mesh.areas / 4, 4), len(mesh.nodes))
     gather = mesh_gather(mesh, interior)
-    edges = _edge_terms(problem)
+    edges = mean_tractions(problem)
     length = problem.length
 
     def loss(P, network, key):
@@ -141,21 +120,18 @@ def autodiff(
     dF = jnp.stack([jax.jvp(interpolated, (X,), (jnp.broadcast_to(unit[k], X.shape),))[1] for k in range(2)])
     cells = len(X)
     count = min(settings.points or DEFAULT_POINTS, cells)
-    mesh = problem.mesh
-    border = np.flatnonzero(np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))[mesh.cells].min(axis=1) < 4)
-    edges = _edge_terms(problem)
+    outline = TRACTIONS[settings.traction](problem)
 
     def loss(P, network, key):
-        """Div P at points drawn anew, and the edge terms at every cell of the border; other cells are not asked."""
+        """Div P at points drawn anew, and tractions at the outline; other points are not asked."""
         at = jax.random.choice(key, cells, (count,), replace=False)
         div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
         relative = div * problem.length / problem.scale[:, None]
         if batch_mean:
             relative = jnp.mean(relative, axis=-1)
-        residual = jnp.mean(jnp.sum(relative**2, axis=0))
-        P_border = node_stress(problem.node, problem.F[..., border], network(problem.X[border]).T)
-        P = jnp.zeros((*P_border.shape[:-1], cells)).at[..., border].set(P_border)
-        return settings.equilibrium_weight * residual + settings.force_weight * edges(P)
+        squared = jnp.sum(relative**2, axis=0)
+        residual = jnp.mean(PENALTIES[settings.penalty](squared))
+        return settings.equilibrium_weight * residual + settings.force_weight * outline(network)
 
     return loss
 

@@ -112,8 +112,20 @@ class InverseProblem:
 
     @property
     def scale(self):
-        """Stress unit of each step (step,)."""
-        return jnp.asarray(self.loading.scale, jnp.float32)
+        """Stress unit of each step (step,), one where the method does not normalise."""
+        return jnp.asarray(self._scale, jnp.float32)
+
+    @property
+    def _scale(self):
+        return self.loading.scale if self.method.normalised else np.ones_like(self.loading.scale)
+
+    @property
+    def nodal_force(self) -> np.ndarray | None:
+        """Outward force on each node of the outline over the thickness (step, node, 2), or None where none is known."""
+        measurement = self.inputs["measurement"]
+        if "nodal_force" not in measurement:
+            return None
+        return measurement["nodal_force"].values / float(measurement.attrs["thickness"])
 
     @property
     def _architecture(self):
@@ -121,11 +133,12 @@ class InverseProblem:
         return Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size
 
     def _new_network(self, seed: int) -> FourierMLP:
-        """A hyper-network with random weights that gives nearly the homogenised parameters everywhere."""
+        """A hyper-network with random weights; with ``from_bias`` it gives nearly the homogenised parameters."""
         network = make_network(*self._architecture, seed)
-        last = network.layers[-1]
-        last.bias[...] = self.centre
-        last.kernel[...] = LAST_KERNEL * last.kernel[...]
+        if self.method.initialisation.from_bias:
+            last = network.layers[-1]
+            last.bias[...] = self.centre
+            last.kernel[...] = LAST_KERNEL * last.kernel[...]
         return network
 
     def trainable(self):
@@ -151,7 +164,7 @@ class InverseProblem:
         inventing an answer there. The smallest one fixes the stiffness of the undeformed sheet, where
         coarse steps of a neural ODE may leave a spike that stops Newton's method.
         """
-        scale = self.loading.scale[:, None]
+        scale = self._scale[:, None]
         if not self.has_field:
             P = np.moveaxis(self.loading.P_average, 0, -1)[..., None] / scale
             P = np.broadcast_to(P, self.F.shape)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from hypernode.baselines.equilibrium_gap import BaselineError, equilibrium_gap_moduli, homogeneous_modulus
 from hypernode.data.loading import Loading
 from hypernode.fem.gradient import deformation_gradient
-from hypernode.identification.baselines import BaselineError, equilibrium_gap_moduli, homogeneous_modulus
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 

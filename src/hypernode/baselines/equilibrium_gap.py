@@ -1,7 +1,7 @@
-"""What every mechanics laboratory knows: identifications without networks, on the same data.
+"""One modulus from the forces, and the equilibrium gap: a neo-Hookean modulus in every cell.
 
-One modulus for the whole sheet; a neo-Hookean modulus in every cell from the equilibrium gap of the measured
-deformation (a virtual-fields method with one hat function a node); or the constrained field as it is.
+A virtual-fields method with one hat function a node (Claire, Hild and Roux 2004). What a baseline of this package
+assumes of a material is that its stress is mu_c U(F) in cell c, with U that of a neo-Hookean sheet of unit coefficient.
 """
 
 import jax.numpy as jnp
@@ -29,6 +29,11 @@ class BaselineError(ExpectedError, RuntimeError):
     """No material follows from the data; the message says why."""
 
 
+def unit_stress(F):
+    """U(F) [i, J, step, cell] of a neo-Hookean sheet of coefficient 1."""
+    return np.asarray(NEO_HOOKEAN.stress(jnp.asarray(F), jnp.zeros((1, 1, 1))))
+
+
 def homogeneous_modulus(mesh: Mesh, loading: Loading, F) -> float:
     """The coefficient of one neo-Hookean material whose stress at the mean F fits force over cross-section.
 
@@ -52,7 +57,7 @@ def _virtual_work(mesh: Mesh, loading: Loading, F):
 
     Rows are steps and functions, in units of the stress of the step; a stretch has a row where its force is known.
     """
-    unit = np.asarray(NEO_HOOKEAN.stress(jnp.asarray(F), jnp.zeros((1, 1, 1))))
+    unit = unit_stress(F)
     D = nodal_force_matrices(mesh)
     hats, stretches = ([], []), ([], [])
     for step, case in enumerate(loading.load_case):

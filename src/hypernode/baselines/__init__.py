@@ -1,0 +1,1 @@
+"""Classical identifications without networks: what each assumes, and the moduli that follow."""
