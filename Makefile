@@ -41,7 +41,7 @@ laws: $(VENV)/dev
 
 # An identified sheet in felupe against the project's own finite elements; installs felupe: a minute.
 felupe: $(VENV)/dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-felupe.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/felupe.txt
 	$(BIN)/python -m pytest -q tests/export/test_felupe.py
 
 # Engines of image correlation on pictures of a known stretch; makes their environments, 3.6 GB: five minutes.
@@ -126,33 +126,33 @@ bench: $(VENV)/run
 cost: $(VENV)/run
 	$(BIN)/python benchmarks/cost.py $(BENCH)
 
-# Training and the forward problem on a device of CUDA against the CPU, after pip install -r requirements-gpu.txt.
+# Training and the forward problem on a device of CUDA against the CPU, after pip install -r requirements/gpu.txt.
 gpu: $(VENV)/run
 	$(BIN)/python benchmarks/on_gpu.py
 
-$(VENV)/run: requirements.txt constraints.txt pyproject.toml
+$(VENV)/run: requirements.txt requirements/constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
 	touch $@
 
-$(VENV)/dev: requirements-dev.txt $(VENV)/run
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+$(VENV)/dev: requirements/dev.txt $(VENV)/run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/dev.txt
 	touch $@
 
-$(VENV)/cluster: requirements-cluster.txt $(VENV)/dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-cluster.txt
+$(VENV)/cluster: requirements/cluster.txt $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/cluster.txt
 	touch $@
 
-$(VENV)/browser: requirements-browser.txt $(VENV)/dev
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-browser.txt
+$(VENV)/browser: requirements/browser.txt $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements/browser.txt
 	touch $@
 
-$(DOCS)/run: requirements-docs.txt constraints.txt
+$(DOCS)/run: requirements/docs.txt requirements/constraints.txt
 	$(PYTHON) -m venv $(DOCS)
-	$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -r requirements-docs.txt
+	$(DOCS)/bin/python -m pip install --quiet --disable-pip-version-check -r requirements/docs.txt
 	touch $@
 
-.venv-%/run: requirements-%.txt
+.venv-%/run: requirements/%.txt
 	$(PYTHON) -m venv $(@D)
 	$(@D)/bin/python -m pip install --quiet --disable-pip-version-check -r $<
 	touch $@

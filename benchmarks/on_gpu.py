@@ -2,7 +2,7 @@
 
 Each platform computes in a process of its own: the forward problem of a small sheet in double precision, then the
 homogenised material and the pre-training of the default method on it in single precision, from the same seeds. Fields
-are compared relative to their largest value; beyond 1e-4 the exit code is 1. ``requirements-gpu.txt`` and a device
+are compared relative to their largest value; beyond 1e-4 the exit code is 1. ``requirements/gpu.txt`` and a device
 are needed.
 
 Usage: python benchmarks/on_gpu.py [--cells 50] [--iterations 200] [--platforms cpu cuda]

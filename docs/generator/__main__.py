@@ -1,4 +1,4 @@
-"""Build the site: ``python -m docs.generator``, from the repository, in an environment of requirements-docs.txt."""
+"""Build the site: ``python -m docs.generator``, from the repository, in an environment of requirements/docs.txt."""
 
 import argparse
 import re

@@ -39,16 +39,16 @@ def test_every_pin_of_the_pipeline_is_a_version_that_the_package_allows():
     assert set(pinned) == set(ranges)
     assert not [name for name, version in pinned.items() if version not in ranges[name]]
     assert not [
-        name for name, version in pins("requirements-ncorr.txt").items() if version not in OPTIONAL["ncorr"][name]
+        name for name, version in pins("requirements/ncorr.txt").items() if version not in OPTIONAL["ncorr"][name]
     ]
 
 
 def test_the_plugin_for_a_gpu_is_of_the_version_of_jax():
-    text = (ROOT / "requirements-gpu.txt").read_text()
+    text = (ROOT / "requirements/gpu.txt").read_text()
     plugins = dict(re.findall(r"^(jax-cuda12-\w+)(?:\[[\w-]+\])?==(\S+)$", text, re.MULTILINE))
     assert set(plugins) == {"jax-cuda12-plugin", "jax-cuda12-pjrt"}
     assert set(plugins.values()) == {pins("requirements.txt")["jax"]} == {pins("requirements.txt")["jaxlib"]}
-    assert "-r requirements.txt" in text and "-c constraints.txt" in text
+    assert "-r ../requirements.txt" in text and "-c constraints.txt" in text
 
 
 def test_the_compiler_that_sums_wrongly_is_refused():
@@ -87,7 +87,7 @@ def test_what_is_imported_is_declared_and_what_an_extra_brings_is_named():
 
 def test_what_scripts_of_correlation_engines_import_is_pinned_in_their_environments():
     for script in ENGINES.glob("with_*.py"):
-        there = pins(f"requirements-{script.stem.removeprefix('with_').replace('_', '-')}.txt")
+        there = pins(f"requirements/{script.stem.removeprefix('with_').replace('_', '-')}.txt")
         top = {
             name.split(".")[0]
             for node in ast.walk(ast.parse(script.read_text()))

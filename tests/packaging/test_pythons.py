@@ -35,7 +35,7 @@ def test_laws_hold(version, request, tmp_path):
         pytest.skip("tests run with every Python with --pythons")
     if (python := interpreter(version)) is None:
         pytest.skip(f"there is no Python {version} here")
-    pinned = re.findall(rf"^({'|'.join(TOOLS)})(==\S+)$", (ROOT / "requirements-dev.txt").read_text(), re.MULTILINE)
+    pinned = re.findall(rf"^({'|'.join(TOOLS)})(==\S+)$", (ROOT / "requirements/dev.txt").read_text(), re.MULTILINE)
     assert len(pinned) == len(TOOLS)
     wheel = request.getfixturevalue("wheel")
     with environment(tmp_path / "venv", python) as installed:

@@ -94,5 +94,5 @@ with job(given):
         pytest.skip("there is a device of CUDA here")
     assert done.returncode == 1 and "begun" not in done.stdout
     assert "error in training (case X): platform: cuda: JAX finds no such device here" in done.stderr
-    assert "pip install -r requirements-gpu.txt" in done.stderr and "platform: cpu" in done.stderr
+    assert "pip install -r requirements/gpu.txt" in done.stderr and "platform: cpu" in done.stderr
     assert "Traceback" not in done.stderr

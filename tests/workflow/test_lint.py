@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-#: One environment serves every rule, from requirements.txt and constraints.txt.
+#: One environment serves every rule, from requirements.txt and requirements/constraints.txt.
 DECLINED = "Specify a conda environment or container for each rule.:"
 
 

@@ -52,7 +52,7 @@ class Config(Section):
     """Runs of which an ``explorer.html`` is written; left out, every run of a specimen."""
     platform: Literal["cpu", "cuda"] = "cpu"
     """What networks are trained on; all else is computed on the CPU. For ``cuda`` the environment needs
-    ``requirements-gpu.txt``, and the machine such a device."""
+    ``requirements/gpu.txt``, and the machine such a device."""
 
     @field_validator("explorers")
     @classmethod

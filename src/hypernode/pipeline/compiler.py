@@ -72,7 +72,7 @@ def require_platform(platform: str) -> None:
         said = f" ({str(error).splitlines()[0]})" if str(error) else ""
         raise PlatformMissing(
             f"platform: {platform}: JAX finds no such device here{said}; where there is one, "
-            "pip install -r requirements-gpu.txt, and elsewhere say 'platform: cpu' in the configuration"
+            "pip install -r requirements/gpu.txt, and elsewhere say 'platform: cpu' in the configuration"
         ) from None
 
 
