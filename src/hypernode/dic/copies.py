@@ -96,7 +96,7 @@ def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:
     if not still or not any(_has_noise(f.displacement, np.isfinite(f.displacement).all(axis=2)) for f in noisy):
         return ()
     return (
-        f"frame {frames[still[0]].number} has no displacement at all, as the reference and as no picture of its own has: "
+        f"frame {frames[still[0]].number} has no displacement at all, as only the reference has: "
         "if the camera or the export repeated the reference, leave that frame out and number those after it anew",
     )
 
