@@ -184,3 +184,10 @@ def test_a_kink_of_a_coarse_grid_is_no_mistake_and_a_point_off_it_in_one_step_is
     u[2, 40] += 20 * NOISE
     found = outliers(mesh, u, noise)
     assert found.sum() == 1 and found[2, 40]
+
+
+def test_a_reference_that_is_there_twice_is_said(tmp_path):
+    frames = fields()
+    series = read_series(write(tmp_path, [frames[0], *frames]))
+    assert "frame 1 has no displacement at all" in series.findings[0]
+    assert not read_series(write(tmp_path / "once", frames)).findings

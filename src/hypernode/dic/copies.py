@@ -63,6 +63,7 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     kept = [k for k in range(len(frames)) if k not in copy_of]
     inserted = () if timed or not copy_of else _inserted(frames, kept, choice, where)
     findings = _said(frames, copy_of, inserted, timed)
+    findings += _reference_again(frames)
     cleaned, stuck = [frames[0]], {}
     for before, k in pairwise(kept):
         lost = _left_behind(frames[before].displacement, frames[k].displacement)
@@ -86,6 +87,18 @@ def _equal(before: Field, after: Field) -> bool:
     same = (before == after).all(axis=2) & known
     # Sheets without any displacement are the reference again, and no copy of a measurement.
     return bool(known.any() and same.sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
+
+
+def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:
+    """A sentence where frames without any displacement follow the reference, although others have noise."""
+    still = [k for k, frame in enumerate(frames) if k and not np.nan_to_num(frame.displacement).any()]
+    noisy = [frame for k, frame in enumerate(frames) if k and k not in still]
+    if not still or not any(_has_noise(f.displacement, np.isfinite(f.displacement).all(axis=2)) for f in noisy):
+        return ()
+    return (
+        f"frame {frames[still[0]].number} has no displacement at all, as only the reference has: "
+        "if the camera or the export repeated the reference, leave that frame out and number those after it anew",
+    )
 
 
 def _has_noise(u: Field, known: Bool[np.ndarray, "row column"]) -> bool:
