@@ -13,6 +13,7 @@ from hypernode.dic.frame_clock import frame_clock
 from hypernode.dic.load_case import import_load_case
 from hypernode.dic.noise.estimate import estimate_noise
 from hypernode.dic.reading import read_series
+from hypernode.dic.validity import known_columns
 from hypernode.fem.mesh import rectilinear
 
 from .pulls import HEADER, LINES, NOISE, fields, write, write_record
@@ -191,3 +192,7 @@ def test_a_reference_that_is_there_twice_is_said(tmp_path):
     series = read_series(write(tmp_path, [frames[0], *frames]))
     assert "frame 1 has no displacement at all" in series.findings[0]
     assert not read_series(write(tmp_path / "once", frames)).findings
+
+
+def test_a_column_of_strain_that_is_negative_marks_no_point_as_failed():
+    assert set(known_columns(["x", "u", "gamma", "beta", "exy", "sigma"])) == {"sigma"}

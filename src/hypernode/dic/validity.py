@@ -14,7 +14,8 @@ from hypernode.dic.text import shown
 #: number of a state is negative.
 _BELOW_ZERO = (
     *("zncc", "ncc", "cost_zncc", "corr", "corrcoef", "correlation", "correlation coefficient", "coefficient"),
-    *("sigma", "match", "gamma", "beta", "confidence", "quality", "score", "chi", "chi2", "residual"),
+    # Not gamma and beta: they are quality for one program, and an angle of strain, of either sign, for others.
+    *("sigma", "match", "confidence", "quality", "score", "chi", "chi2", "residual"),
     *("status", "status_flag", "statusflag", "state", "flag", "iteration", "iterations"),
 )
 #: Columns of which zero does as well.
