@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hypernode import cli
 from hypernode.commands.explain import reasons
 from hypernode.config.methods import Constrained
 from hypernode.identification.choice import likeliest
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.problem import field_problem
 from hypernode.mechanics.loads import make_load
+from hypernode.storage.netcdf import SYNTHETIC_UNITS, write
 from hypernode.trace import KEPT, Score, Trace, Trial, read, stored, table
 from tests.sheets import sheet, square
 
@@ -77,3 +79,16 @@ def test_the_score_of_a_field_does_not_depend_on_how_its_residuals_are_scaled(no
     other.observations = replace(other.observations, boundaries=boundaries, sigma=2.0 * other.observations.sigma)
     again = descend(other, settings, "square", None, (), 0.0)
     assert np.isclose(again.score.total, found.score.total, rtol=0.0, atol=1e-3)
+
+
+def test_the_command_prints_table_and_reasons_and_says_what_to_name_otherwise(tmp_path, capsys):
+    plain = trial("plain", 9.0)
+    lines = trial("lines", 3.0, start=plain, materials=2)
+    rows = Trace().with_trial(plain).with_trial(lines).rows(lines)
+    run = tmp_path / "results/sheet/field"
+    write(run / "constrained.nc", {}, "field", {"units": SYNTHETIC_UNITS, "trace": stored(rows)})
+    assert cli.main(["explain", str(run)]) == 0
+    printed = capsys.readouterr().out
+    assert "Kept: 2 materials" in printed and "Not a material in every cell" in printed
+    assert cli.main(["explain", str(tmp_path)]) == 2
+    assert "results/CASE/METHOD" in capsys.readouterr().err

@@ -13,7 +13,7 @@ class NothingToExplain(ExpectedError, ValueError):
 def add_explain(commands) -> None:
     """``explain RUN``."""
     parser = commands.add_parser("explain", help="what was tried to identify a field, and why one candidate was kept")
-    parser.add_argument("run", type=Path, help="folder of a run, results/CASE/METHOD")
+    parser.add_argument("folder", type=Path, metavar="RUN", help="folder of a run, results/CASE/METHOD")
     parser.add_argument("--json", action="store_true", help="for machines")
     parser.set_defaults(run=explain)
 
@@ -23,12 +23,12 @@ def explain(arguments) -> int:
     from hypernode.tables.verdicts import read_verdicts
     from hypernode.trace import table
 
-    rows = rows_of(arguments.run)
+    rows = rows_of(arguments.folder)
     if arguments.json:
         print(json.dumps(rows, indent=1))
         return 0
     print("\n".join([*table(rows), "", *reasons(rows)]))
-    evaluation = arguments.run / "evaluation.nc"
+    evaluation = arguments.folder / "evaluation.nc"
     if evaluation.is_file():
         ((_, verdict),) = read_verdicts([evaluation])
         print("\n".join(["", f"verdict: {verdict.overall}", *(f"  {each}" for each in verdict.sentences)]))
