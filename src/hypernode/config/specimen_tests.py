@@ -124,6 +124,9 @@ class SpecimenTest(Section):
     load_steps: Count | None = None
     """Number of load steps, evenly spaced in mean stretch up to the largest one: 5 where nothing else selects them,
     fewer where there are not as many frames."""
+    loading: Union[Annotated[int, Field(ge=1)], Literal["last"]] = "last"
+    """Which of several loadings gives the load steps where the sheet is unloaded in between, counted from 1, or the
+    last. It counts where `frames` and `times` do not choose."""
     noise_pixels: Positive | None = None
     """Standard deviation of a measured displacement [pixel]; left out, it is estimated from the frames."""
     noise_mm: Positive | None = None

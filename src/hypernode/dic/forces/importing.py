@@ -20,8 +20,10 @@ from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, 
 from hypernode.dic.forces.dialects import PULL
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
+from hypernode.dic.forces.silence import with_silences
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -49,31 +51,82 @@ class Forces:
     findings: tuple[str, ...]
 
 
-def import_forces(
-    test: SpecimenTest,
-    sections: tuple[float, float],
-    series: Series,
-    clock: FrameClock | None,
-    chosen: Int[np.ndarray, " step"],
-) -> Forces:
-    """Read the record of a test, match it with the frames and check it.
+@dataclass(frozen=True)
+class Heard:
+    """The record of a test in the clock of its frames, before load steps are chosen.
+
+    Attributes:
+        record: as it was read.
+        pulls: by component.
+        unheard: number of each frame of which it tells no force -> why not.
+        findings: what is strange about the clocks.
+    """
+
+    record: ForceRecord
+    pulls: dict[Component, PullRecord]
+    unheard: dict[int, str]
+    findings: list[Finding]
+
+
+def hear_forces(test: SpecimenTest, series: Series, clock: FrameClock | None) -> Heard:
+    """Read the record of a test and match it with the frames.
 
     Args:
         test: what the configuration says of it.
-        sections: areas of the sheet's sections normal to x and to y [mm^2].
         series: the frames that were read, the reference first.
         clock: when they were taken; None where nothing tells.
-        chosen: numbers of the frames that are load steps.
 
     Raises:
-        DicError: the record cannot be read, does not reach a load step, lacks a force, or holds what no sheet can give.
+        DicError: the record cannot be read or lacks a force that the load needs.
     """
     record = _record(test, series)
     channels = ", ".join(record.channels)
     say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
     pulls = pulls_of(test, record, _components(test, record), clock)
     _refuse_across_a_shear(test, record, series, pulls)
-    pulls, findings = _on_one_clock(test, pulls, series, chosen)
+    pulls, findings = _on_one_clock(test, pulls, series)
+    numbers = np.array([frame.number for frame in series.frames])
+    unheard = {}
+    for part, pull in pulls.items():
+        course = working_stretch(series, test.load, *part)
+        seen = np.isfinite(course) & (pull.image is None or np.isin(numbers, pull.image))
+        time = pull.times(numbers[seen])
+        if pull.image is None and check_reach(time, pull.time, pull.force):
+            # The clocks are apart, which is refused when the forces are checked.
+            continue
+        pulls[part] = with_silences(pull, time, course[seen])
+        unheard |= pulls[part].unheard(numbers)
+    findings += [Finding(_not_used(numbers, unheard), False)] if unheard else []
+    return Heard(record, pulls, unheard, findings)
+
+
+def _not_used(numbers, unheard: dict[int, str]) -> str:
+    """A sentence on the frames without a force."""
+    reasons = "; ".join(dict.fromkeys(unheard.values()))
+    shown = ", ".join(map(str, list(unheard)[:8])) + (", ..." if len(unheard) > 8 else "")
+    return f"{reasons}: {len(unheard)} of {len(numbers)} frames have no force and are no load steps ({shown})"
+
+
+def import_forces(
+    test: SpecimenTest,
+    sections: tuple[float, float],
+    series: Series,
+    heard: Heard,
+    chosen: Int[np.ndarray, " step"],
+) -> Forces:
+    """The forces of the load steps, once they are checked.
+
+    Args:
+        test: what the configuration says of it.
+        sections: areas of the sheet's sections normal to x and to y [mm^2].
+        series: the frames that were read, the reference first.
+        heard: their record.
+        chosen: numbers of the frames that are load steps.
+
+    Raises:
+        DicError: the record does not reach a load step, or holds what no sheet can give.
+    """
+    pulls, findings = heard.pulls, list(heard.findings)
     numbers = np.array([frame.number for frame in series.frames])
     several = len(pulls) > 1
     for part, pull in pulls.items():
@@ -83,7 +136,8 @@ def import_forces(
     first = next(iter(pulls.values()))
     time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
     force = {part: pull.forces(chosen) for part, pull in pulls.items()}
-    return Forces(record.path, pulls, time, force, _reported(test.folder, record.path, findings))
+    path = heard.record.path
+    return Forces(path, pulls, time, force, _reported(test.folder, path, findings))
 
 
 def _record(test: SpecimenTest, series: Series) -> ForceRecord:
@@ -137,13 +191,13 @@ def _refuse_across_a_shear(test: SpecimenTest, record: ForceRecord, series: Seri
             )
 
 
-def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series, chosen):
+def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series):
     """(the pulls in the clock of the pictures as far as it is told, what is strange about it)."""
     part = best_told(pulls)
     pull, given = pulls[part], test.force_time_offset
     if pull.image is not None:
         return pulls, []
-    numbers, stretch = _until_the_last(series, working_stretch(series, test.load, *part), chosen)
+    numbers, stretch = _first_loading(series, working_stretch(series, test.load, *part))
     time = pull.times(numbers)
     offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
     if given != "estimate":
@@ -162,10 +216,10 @@ def _estimated(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[float, str
     return offset.seconds, f"offset of the force record: {offset}"
 
 
-def _until_the_last(series: Series, course: Float[np.ndarray, " frame"], chosen):
-    """(numbers of the frames up to the last load step whose course is known, their course)."""
+def _first_loading(series: Series, course: Float[np.ndarray, " frame"]):
+    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
     numbers = np.array([frame.number for frame in series.frames])
-    seen = (numbers <= chosen.max()) & np.isfinite(course)
+    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
     return numbers[seen], course[seen]
 
 
