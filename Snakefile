@@ -36,6 +36,7 @@ from hypernode.pipeline.shown import (
 )
 from hypernode.pipeline.sources import (
     code_params,
+    as_they_are,
     image_files,
     printed_input,
     reference_inputs,

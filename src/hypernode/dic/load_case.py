@@ -76,8 +76,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
     if heard is None:
         say("import", test.folder, "no force is recorded: every stress is known up to one factor")
         return replace(case, findings=strange)
-    sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
-    found = import_forces(test, sections, series, heard, numbers)
+    found = import_forces(test, (specimen.width, specimen.height), specimen.thickness, series, heard, numbers)
     used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
     return replace(
         case,

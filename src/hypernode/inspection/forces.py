@@ -49,11 +49,12 @@ def courses(
     parts = [part for part in RESULTANTS[test.load] if record.axes == (PULL,) or "xy"[part[0]] in record.axes]
     if record.axes == (PULL,) and len(parts) > 1:
         return [], []
-    pulls = pulls_of(test, record, parts, clock)
+    numbers = [frame.number for frame in series.frames]
+    pulls = pulls_of(test, record, parts, clock, numbers)
     offsets = _offsets(test, series, pulls)
     found = agreed_offset(offsets) if test.force_time_offset == "estimate" else None
     if found is not None:
-        pulls = pulls_of(test, record, parts, clock.later(found.seconds))
+        pulls = pulls_of(test, record, parts, clock.later(found.seconds), numbers)
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
 
 

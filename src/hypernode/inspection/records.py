@@ -54,7 +54,7 @@ def record_files(paths: Iterable[Path], test: SpecimenTest) -> tuple[list[Record
     named = tuple(channel.values()) if isinstance(channel, dict) else (channel,) if channel else ()
     for path in paths:
         try:
-            table = read_table(path, test.force_format, named)
+            table = read_table(path, test.force_format, named, test.force_time)
         except DicError as error:
             others[path] = str(error)
         else:
@@ -66,7 +66,7 @@ def _read(table: Table, test: SpecimenTest) -> RecordFile:
     program = f"{table.dialect.name} ({table.dialect.program})"
     try:
         cycles = tuple(
-            Cycle(*key, read_force_record(table.path, test.force_format, test.force_channel, *key))
+            Cycle(*key, read_force_record(table.path, test.force_format, test.force_channel, *key, test.force_time))
             for key in _names(table)
         )
     except DicError as error:

@@ -33,6 +33,11 @@ def _raw_files(test: str) -> tuple[str, ...]:
     return tuple(map(str, raw_files(SpecimenTest.model_validate_json(test))))
 
 
+def as_they_are(files: list[str]) -> list[str]:
+    """Names of files in which braces are none of Snakemake's wildcards."""
+    return [file.replace("{", "{{").replace("}", "}}") for file in files]
+
+
 def image_files(config: Config, name: str) -> list[str]:
     """The images that a synthetic case's geometries are drawn in, if any."""
     geometries = [config.geometries[key] for key in case_geometries(config.cases[name])]

@@ -18,9 +18,10 @@ from hypernode.dic.forces.checks import (
 )
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
+from hypernode.dic.forces.magnitude import crosshead_findings
+from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
-from hypernode.dic.forces.silence import with_silences
+from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.loadings import loadings
@@ -82,10 +83,12 @@ def hear_forces(test: SpecimenTest, series: Series, clock: FrameClock | None) ->
     record = _record(test, series)
     channels = ", ".join(record.channels)
     say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
-    pulls = pulls_of(test, record, _components(test, record), clock)
+    numbers = np.array([frame.number for frame in series.frames])
+    pulls = pulls_of(test, record, _components(test, record), clock, numbers.tolist())
     _refuse_across_a_shear(test, record, series, pulls)
     pulls, findings = _on_one_clock(test, pulls, series)
-    numbers = np.array([frame.number for frame in series.frames])
+    if test.picture_shift is None and (shift := shift_of(test, record, numbers.tolist())):
+        findings.append(Finding(counted_otherwise(shift), False))
     unheard = {}
     for part, pull in pulls.items():
         course = working_stretch(series, test.load, *part)
@@ -96,20 +99,14 @@ def hear_forces(test: SpecimenTest, series: Series, clock: FrameClock | None) ->
             continue
         pulls[part] = with_silences(pull, time, course[seen])
         unheard |= pulls[part].unheard(numbers)
-    findings += [Finding(_not_used(numbers, unheard), False)] if unheard else []
+    findings += [Finding(not_used(numbers, unheard), False)] if unheard else []
     return Heard(record, pulls, unheard, findings)
-
-
-def _not_used(numbers, unheard: dict[int, str]) -> str:
-    """A sentence on the frames without a force."""
-    reasons = "; ".join(dict.fromkeys(unheard.values()))
-    shown = ", ".join(map(str, list(unheard)[:8])) + (", ..." if len(unheard) > 8 else "")
-    return f"{reasons}: {len(unheard)} of {len(numbers)} frames have no force and are no load steps ({shown})"
 
 
 def import_forces(
     test: SpecimenTest,
-    sections: tuple[float, float],
+    sides: tuple[float, float],
+    thickness: float,
     series: Series,
     heard: Heard,
     chosen: Int[np.ndarray, " step"],
@@ -118,7 +115,8 @@ def import_forces(
 
     Args:
         test: what the configuration says of it.
-        sections: areas of the sheet's sections normal to x and to y [mm^2].
+        sides: of the sheet, along x and y [mm].
+        thickness: of the sheet [mm].
         series: the frames that were read, the reference first.
         heard: their record.
         chosen: numbers of the frames that are load steps.
@@ -130,7 +128,10 @@ def import_forces(
     numbers = np.array([frame.number for frame in series.frames])
     several = len(pulls) > 1
     for part, pull in pulls.items():
-        found = _checked(pull, numbers, working_stretch(series, test.load, *part), sections[part[1]], chosen)
+        course, area = working_stretch(series, test.load, *part), sides[1 - part[1]] * thickness
+        found = _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
+        if not any(each.refused for each in found):
+            found += crosshead_findings(test, pull, series, part, sides)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))
@@ -144,7 +145,9 @@ def _record(test: SpecimenTest, series: Series) -> ForceRecord:
     """The machine's record; where there is no file, what the frames themselves say of the force."""
     path = Path(test.folder) / test.force_file
     if path.is_file() or not any(frame.force is not None for frame in series.frames):
-        return read_force_record(path, test.force_format, test.force_channel, test.force_set, test.force_cycle)
+        return read_force_record(
+            path, test.force_format, test.force_channel, test.force_set, test.force_cycle, test.force_time
+        )
     return record_of_frames(Path(test.folder), series)
 
 
@@ -223,7 +226,7 @@ def _first_loading(series: Series, course: Float[np.ndarray, " frame"]):
     return numbers[seen], course[seen]
 
 
-def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Finding]:
+def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: bool) -> list[Finding]:
     """What is strange about one force, against the course of the stretch with which it should grow."""
     seen = (numbers <= chosen.max()) & np.isfinite(course)
     if pull.image is None and (elsewhere := check_reach(pull.times(numbers[seen]), pull.time, pull.force)):
@@ -234,7 +237,7 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Fin
     findings = check_rise(course[seen][reached], forces)
     findings += check_units(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
-    return findings + (check_rest(forces) if reached[0] else [])
+    return findings + (check_rest(forces, explained) if reached[0] else [])
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """Which force belongs to which frame: by the number of the picture where the record has it, else by time."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,7 +10,6 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
-
 
 #: Share of the time between two frames by which clocks that are rounded may miss the ends of a record.
 _ROUNDED = 0.02
@@ -131,7 +130,11 @@ class PullRecord:
             if not at.any():
                 known = self.image[np.isfinite(self.image)]
                 extent = f"it has {known.min():g} to {known.max():g}" if len(known) else "it numbers none"
-                raise DicError(f"{self.record.path}: no sample of picture {number}; {extent}")
+                raise DicError(
+                    f"{self.record.path}: no sample of picture {number}; {extent}: where pictures are counted "
+                    "otherwise than frames, --set picture_shift=N says what their numbers are more than those of the "
+                    "frames; else choose others, --set 'frames=[...]'"
+                )
             means.append(values[at].mean())
         return np.array(means)
 
@@ -141,11 +144,44 @@ Component = tuple[int, int]
 
 
 def pulls_of(
-    test: SpecimenTest, record: ForceRecord, parts: Iterable[Component], clock: FrameClock | None
+    test: SpecimenTest,
+    record: ForceRecord,
+    parts: Iterable[Component],
+    clock: FrameClock | None,
+    numbers: list[int],
 ) -> dict[Component, PullRecord]:
-    """The parts of a test's record that belong to its forces, in the clock of the frames."""
+    """The parts of a test's record that belong to its forces, in the clock of the frames and by their ``numbers``."""
+    record = replace(record, image=_shifted(test, record, numbers))
     axes = {part: "xy"[part[0]] for part in parts}
+    if not test.crosshead:
+        record = replace(record, displacement=None)
     return {part: pull_record(record, axis, test.force_zero(axis), clock) for part, axis in axes.items()}
+
+
+def shift_of(test: SpecimenTest, record: ForceRecord, numbers: list[int]) -> int:
+    """What the numbers of a record's pictures are more than those of their frames.
+
+    It is given, or one for which every picture has its frame and every frame its picture, and zero otherwise.
+    """
+    if test.picture_shift is not None or record.image is None:
+        return test.picture_shift or 0
+    pictures = np.unique(record.image[np.isfinite(record.image)])
+    if len(pictures) != len(numbers) or np.isin(numbers, pictures).all():
+        return 0
+    apart = pictures - np.sort(numbers)
+    return int(apart[0]) if (apart == apart[0]).all() else 0
+
+
+def counted_otherwise(shift: int) -> str:
+    """A sentence on a shift that was found."""
+    return (
+        f"the record counts its pictures by {shift:+d} otherwise than the frames are numbered, and has as many: they "
+        f"are taken in their order, --set picture_shift={shift}; --set picture_shift=0 takes the numbers as they are"
+    )
+
+
+def _shifted(test: SpecimenTest, record: ForceRecord, numbers: list[int]) -> Float[np.ndarray, " sample"] | None:
+    return None if record.image is None else record.image - shift_of(test, record, numbers)
 
 
 def best_told(pulls: dict[Component, PullRecord]) -> Component:

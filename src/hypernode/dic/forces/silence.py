@@ -67,6 +67,13 @@ def with_silences(
     )
 
 
+def not_used(numbers, unheard: dict[int, str]) -> str:
+    """A sentence on the frames without a force."""
+    reasons = "; ".join(dict.fromkeys(unheard.values()))
+    shown = ", ".join(map(str, list(unheard)[:8])) + (", ..." if len(unheard) > 8 else "")
+    return f"{reasons}: {len(unheard)} of {len(numbers)} frames have no force and are no load steps ({shown})"
+
+
 def _gaps(time, stretch, interval: float, limits: SilenceLimits) -> list[Silence]:
     """Distances of samples that are longer than a frame, and than usual or than the sheet's motion allows."""
     apart = np.diff(time)
