@@ -36,7 +36,6 @@ from hypernode.pipeline.shown import (
 )
 from hypernode.pipeline.sources import (
     code_params,
-    as_they_are,
     image_files,
     printed_input,
     reference_inputs,

@@ -1,6 +1,6 @@
 rule true_material:
     input:
-        lambda w: as_they_are(image_files(CONFIG, w.case)),
+        lambda w: image_files(CONFIG, w.case),
     output:
         ensure("results/{case}/true_material.nc", non_empty=True),
         record="results/{case}/true_material.nc.json",

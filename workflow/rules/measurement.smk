@@ -27,7 +27,7 @@ rule measurement:
 
 rule import_dic:
     input:
-        lambda w: as_they_are(specimen_files(CONFIG, w.case)),
+        lambda w: specimen_files(CONFIG, w.case),
     output:
         ensure("results/{case}/measurement.nc", non_empty=True),
         record="results/{case}/measurement.nc.json",
