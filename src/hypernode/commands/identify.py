@@ -121,10 +121,15 @@ def _told(command: list[str]) -> tuple[int, list[str]]:
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8", errors="replace"
     ) as running:
         said = []
-        for line in running.stdout:
-            said.append(line.rstrip("\n"))
-            if _OWN.match(line):
-                print(said[-1], file=sys.stderr, flush=True)
+        try:
+            for line in running.stdout:
+                said.append(line.rstrip("\n"))
+                if _OWN.match(line):
+                    print(said[-1], file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            running.terminate()
+            running.communicate()
+            raise WorkflowError("stopped; what is finished is kept, and the same command goes on from there") from None
     return running.returncode, said
 
 
