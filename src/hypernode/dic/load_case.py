@@ -58,13 +58,18 @@ class LoadCase:
     findings: tuple[str, ...]
 
 
-def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
+def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None = None) -> LoadCase:
     """Read a test's frames and force record, each frame's force by its picture or its time.
+
+    Args:
+        specimen: of which the test is.
+        test: what the configuration says of it.
+        full: its frames, where they were read already.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    full = read_test(test)
+    full = full or read_test(test)
     series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
     clock = frame_clock(test, series)
     times = clock and {frame.number: float(clock.at(frame.number)) for frame in series.frames}

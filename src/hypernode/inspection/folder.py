@@ -203,7 +203,8 @@ def _imported(seen: Inspection) -> Inspection:
     """The import itself, which has the last word."""
     with heard() as said:
         try:
-            sheet = import_specimen(seen.known.specimen(seen.folder))
+            specimen = seen.known.specimen(seen.folder)
+            sheet = import_specimen(specimen, full=None if specimen.frames else seen.field.series)
         except DicError as error:
             return _and(seen, missing(str(error)))
     told = {remark.sentence for remark in seen.known.odd}
