@@ -32,14 +32,6 @@ class Record:
 
 
 RECORDS = {
-    "wavematrix": Record(
-        "Gesamtzeit (s);Schritt;Position (mm);Last(X:Kraft) (kN)",
-        lambda k, t, d, f: [t, 1, d, 0.001 * f],
-        3,
-        delimiter=";",
-        decimal=",",
-        units=0,
-    ),
     "named_columns": Record("Time,Displacement,Force\n(s),(mm),(N)", lambda k, t, d, f: [t, d, f], 2, quoted=True),
     "named_axes": Record(
         "Time,Displacement x,Displacement y,Force x,Force y\n(s),(mm),(mm),(N),(N)",
@@ -78,6 +70,28 @@ RECORDS = {
         lambda k, t, d, f: [t, d, f / 1e3],
         2,
     ),
+    "wavematrix": Record(
+        '"Gesamtzeit (s)";"Gesamtzyklen";"Position des Aktuators(X:Position) (mm)";"Last(X:Kraft) (kN)";',
+        lambda k, t, d, f: [t, 1, d, f / 1e3, ""],
+        3,
+        delimiter=";",
+        decimal=",",
+        units=0,
+    ),
+    "cellscale_univert": Record(
+        "SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N",
+        lambda k, t, d, f: ["Ramp", "1-Stretch", t, 20 + d, d, f],
+        5,
+        time=2,
+        units=0,
+    ),
+    "usual_names": Record(
+        "Machine;A\n\nZeit;Traversenweg;Kraft\ns;mm;N", lambda k, t, d, f: [t, d, f], 2, delimiter=";", decimal=","
+    ),
+    "usual_names_brackets": Record(
+        "Elapsed Time [s],Stroke [mm],Load [kN]", lambda k, t, d, f: [t, d, f / 1e3], 2, units=0
+    ),
+    "usual_names_suffix": Record("t_s,position_mm,load_N", lambda k, t, d, f: [t, d, f], 2, units=0),
     "cellscale_biotester": Record(
         "SetName,Cycle,Time_S,Temperature,XSize_um,YSize_um,XDisplacement_um,YDisplacement_um,XForce_mN,YForce_mN",
         lambda k, t, d, f: [

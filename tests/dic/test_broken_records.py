@@ -8,6 +8,8 @@ from hypernode.dic.forces.record import read_force_record
 from tests.dic.records import RECORDS, text
 from tests.dic.refusals import refused
 
+#: Programs that write a unit behind the name, as Force_N.
+WITH_SUFFIX = ("cellscale_biotester", "cellscale_univert", "usual_names_suffix")
 TIME = 0.25 * np.arange(12)
 FORCE = 1.5 + 8.0 * TIME - TIME**2
 
@@ -115,18 +117,24 @@ def thousands_or_decimals(broken):
     broken.save()
 
 
+def _renamed(cell, name):
+    """The cell of a name with its unit in brackets, in quotes where it had them."""
+    quote = '"' if cell.startswith('"') else ""
+    return f"{quote}{cell.strip(chr(34)).split(' [')[0].split(' (')[0]} [{name}]{quote}"
+
+
 def unit(broken, at, name):
     """Another unit of a column, wherever its program says it."""
     if broken.record.units:
         broken.cells(with_cell(at, name), [broken.names + 1])
-    elif broken.name == "cellscale_biotester":
-        broken.cells(with_cell(at, lambda cell: f"{cell.rsplit('_')[0]}_{name}"), [broken.names])
+    elif broken.name in WITH_SUFFIX:
+        broken.cells(with_cell(at, lambda cell: f"{cell.rsplit('_', 1)[0]}_{name}"), [broken.names])
     else:
-        broken.cells(with_cell(at, lambda cell: f"{cell.split(' [')[0].split(' (')[0]} [{name}]"), [broken.names])
+        broken.cells(with_cell(at, lambda cell: _renamed(cell, name)), [broken.names])
 
 
-def a_force_in_pounds(broken):
-    unit(broken, broken.record.force, "lbf")
+def a_force_in_poundals(broken):
+    unit(broken, broken.record.force, "pdl")
     broken.save()
 
 
@@ -187,7 +195,7 @@ FAULTS = {
     another_delimiter: (NO_HEADER, True),
     both_decimal_signs: (r"'.*\..*' has a decimal point and '.*,.*' in line \d+ a decimal comma", True),
     thousands_or_decimals: ("'1,234' may have a decimal comma or thousands", True),
-    a_force_in_pounds: (f"must give force in .*found 'lbf'|no columns in N|{VOLTS}", True),
+    a_force_in_poundals: (f"must give force in .*found 'pdl'|no columns in N|{VOLTS}", True),
     a_force_in_volts: (VOLTS, True),
     a_force_without_unit: (f"must give force in .*found ''|no columns in N|{NO_HEADER}|{VOLTS}", True),
     units_that_are_swapped: (rf"must give (force|time) in .*found '[sN]'|no columns in N|{VOLTS}", True),

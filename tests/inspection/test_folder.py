@@ -93,7 +93,7 @@ def test_a_folder_without_forces_must_say_so(folder):
 
 
 def test_a_record_that_is_none_is_refused_with_its_own_sentence(folder):
-    (folder / "load.csv").write_text("Time,Load\n(s),(N)\n0,1\n")
+    (folder / "load.csv").write_text("Time,Weight\n(s),(N)\n0,1\n")
     seen = inspect(folder, {**GIVEN, "force_file": "load.csv"})
     assert "no column 'Force'" in sentences(seen.known.missing)
     seen = inspect(folder, {**GIVEN, "force_file": "lod.csv"})

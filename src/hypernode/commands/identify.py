@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,13 @@ from hypernode.commands.inspect import looked_at, print_report
 from hypernode.commands.options import UsageError, add_folder_options
 from hypernode.errors import ExpectedError
 from hypernode.installation import needs, project_folder
+from hypernode.pipeline.liveness import at_work
+from hypernode.pipeline.sources import without_braces
+
+#: What the project itself says during a run: progress of a stage, jobs that are done, refusals.
+_OWN = re.compile(r"\[[a-z][a-z_ -]*\] |error: |\d+ of \d+ steps")
+#: Where everything that was said is kept when a run ends with an error.
+LOG = Path("results/logs/identify.log")
 
 
 class WorkflowError(ExpectedError):
@@ -45,6 +53,7 @@ def run_identify(arguments) -> int:
     if seen.sheet is None:
         print_report(arguments, seen)
         return 2
+    without_braces([str(path) for path in seen.sheet.files])
     file = arguments.write_config or Path(f"{seen.name}.yaml")
     config = write_draft(seen, file, arguments.method, arguments.config)
     if not arguments.json:
@@ -78,11 +87,50 @@ def run_workflow(snakefile: Path, configs: list[Path], cores: int) -> None:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--cores", str(cores)]
     command += ["--workflow-profile", str(snakefile.parent / "profiles" / "default")]
     # What a job says and how many are done is progress; what files it reads and why is not.
-    command += ["--quiet", "rules", "host", "reason", "--configfile", *map(str, configs)]
+    quiet = ["--quiet", "rules", "host", "reason", "--configfile", *map(str, configs)]
+    _unlock([*command, *quiet])
+    done, said = _told([*command, *quiet])
+    if done != 0:
+        own = [line for line in said if _OWN.match(line)]
+        cause = next((line.removeprefix("error: ") for line in reversed(own) if line.startswith("error: ")), None)
+        LOG.parent.mkdir(parents=True, exist_ok=True)
+        LOG.write_text("\n".join(said) + "\n", encoding="utf-8")
+        raise WorkflowError(
+            f"{f'{cause}: ' if cause else ''}the run did not end; what is finished is kept, and the same command goes "
+            f"on from there; everything that was said is in {LOG}"
+        )
+
+
+def _unlock(command: list[str]) -> None:
+    """Take away the lock of a run that was killed.
+
+    Raises:
+        WorkflowError: a run is still at work in this folder.
+    """
+    if not any(Path(".snakemake/locks").glob("*")):
+        return
+    if running := at_work():
+        raise WorkflowError(f"another run is at work in this folder ({running[0]}): wait until it ends, or end it")
+    subprocess.run([*command, "--unlock"], capture_output=True)  # noqa: S603
+
+
+def _told(command: list[str]) -> tuple[int, list[str]]:
+    """(exit code, every line that was said), the project's own lines on standard error as they come."""
     # Standard output is for results.
-    done = subprocess.run(command, stdout=sys.stderr.fileno())  # noqa: S603
-    if done.returncode != 0:
-        raise WorkflowError("the workflow ended with an error, which stands above; what is finished is kept")
+    with subprocess.Popen(  # noqa: S603
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8", errors="replace"
+    ) as running:
+        said = []
+        try:
+            for line in running.stdout:
+                said.append(line.rstrip("\n"))
+                if _OWN.match(line):
+                    print(said[-1], file=sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            running.terminate()
+            running.communicate()
+            raise WorkflowError("stopped; what is finished is kept, and the same command goes on from there") from None
+    return running.returncode, said
 
 
 def print_results(arguments, config, specimen: str) -> int:

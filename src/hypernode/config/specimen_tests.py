@@ -24,6 +24,11 @@ ForceFormat = Literal[
     "davis_load",
     "davis_channels",
     "matchid_image",
+    "wavematrix",
+    "cellscale_univert",
+    "usual_names",
+    "usual_names_brackets",
+    "usual_names_suffix",
 ]
 #: How displacement files may be laid out, by the software that writes them; ``auto``: as the files themselves show.
 Format = Literal[
@@ -118,6 +123,12 @@ class SpecimenTest(Section):
     """Set of cycles that is used of a record of several."""
     force_cycle: str | None = None
     """Cycle that is used of a record of several."""
+    picture_shift: int | None = None
+    """What the record's number of a picture is more than that of its frame; left out, it is zero, or found where the
+    record has as many pictures as there are frames."""
+    crosshead: bool = True
+    """Whether the crosshead or actuator of the record moves the ends of the sheet; false where it moves something else,
+    and is not to be compared with the frames."""
     pixel_size: Positive | None = None
     """Length of a pixel on the sheet [mm]; frames in mm need none."""
     frame_rate: Positive | None = None
@@ -127,8 +138,9 @@ class SpecimenTest(Section):
     force_time_offset: Union[float, Literal["estimate"], None] = None
     """Seconds by which the force record's clock is ahead of the times of the frames, or estimate, which takes it from
     the motion that both show. Where it is left out, clocks that disagree are an error."""
-    force_offset: Union[float, dict[Axis, float]] = 0.0
-    """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted."""
+    force_offset: Union[float, dict[Axis, float], None] = None
+    """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
+    zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""
     force_uncertainty: Fraction = 0.01
     """Relative uncertainty of the force that the grid carries: the load cell's, and that of the share of the sheet's
     width that is left of it."""
@@ -154,6 +166,9 @@ class SpecimenTest(Section):
     load_steps: Count | None = None
     """Number of load steps, evenly spaced in mean stretch up to the largest one: 5 where nothing else selects them,
     fewer where there are not as many frames."""
+    loading: Union[Annotated[int, Field(ge=1)], Literal["last"]] = "last"
+    """Which of several loadings gives the load steps where the sheet is unloaded in between, counted from 1, or the
+    last. It counts where `frames` and `times` do not choose."""
     noise_pixels: Positive | None = None
     """Standard deviation of a measured displacement [pixel]; left out, it is estimated from the frames."""
     noise_mm: Positive | None = None
@@ -183,7 +198,7 @@ class SpecimenTest(Section):
     def force_zero(self, axis: Axis) -> float:
         """What the record reads along an axis before the sheet pulls [N]."""
         given = self.force_offset
-        return given.get(axis, 0.0) if isinstance(given, dict) else given
+        return given.get(axis, 0.0) if isinstance(given, dict) else given or 0.0
 
     def stated_noise(self, mm: float) -> float | None:
         """Standard deviation of a measured displacement [mm] as the configuration gives it, or None.

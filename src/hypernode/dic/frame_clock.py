@@ -28,6 +28,11 @@ class FrameClock:
         pace = (self.time[place + 1] - self.time[place]) / (self.number[place + 1] - self.number[place])
         return self.time[place] + (numbers - self.number[place]) * pace
 
+    @property
+    def interval(self) -> float:
+        """Usual time between two frames [s]."""
+        return float(np.median(np.diff(self.time) / np.diff(self.number)))
+
     def later(self, seconds: float) -> "FrameClock":
         """The same frames so much later."""
         return FrameClock(self.number, self.time + seconds)

@@ -1,7 +1,9 @@
 """Which frames of a series become load steps, and how far the sheet is stretched in each."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Float
@@ -9,6 +11,7 @@ from jaxtyping import Float
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.grid import FEWEST_LINES
+from hypernode.dic.loadings import Loading, loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 
@@ -76,29 +79,71 @@ def working_stretch(series: Series, load: str, i: int, J: int) -> Float[np.ndarr
     return along + 0.5 * mean_gradient(series, *across) if i == J and across in RESULTANTS[load] else along
 
 
-def select_frames(test: SpecimenTest, series: Series, times: dict[int, float] | None = None) -> np.ndarray:
-    """Numbers of the frames that become load steps.
+def select_frames(
+    test: SpecimenTest,
+    series: Series,
+    times: dict[int, float] | None = None,
+    unheard: Mapping[int, str] = MappingProxyType({}),
+) -> np.ndarray:
+    """Numbers of the frames that become load steps: by their stretches, only those of one loading.
 
     Args:
         test: which of its keys selects them.
         series: the frames.
         times: of every frame [s], where they are known.
+        unheard: number of each frame that has no force -> why.
+
+    Raises:
+        DicError: nothing that fits what is asked for.
     """
     if test.frames is not None:
+        silent = next((number for number in test.frames if number in unheard), None)
+        if silent is not None:
+            raise DicError(f"{test.folder}: frame {silent} has no force: {unheard[silent]}: leave it out of frames")
         return np.array(test.frames)
     numbers = [frame.number for frame in series.frames]
     if test.times is not None:
-        return _nearest_in_time(test, numbers[1:], times)
+        return _nearest_in_time(test, [number for number in numbers[1:] if number not in unheard], times)
     stretch = mean_stretch(series, test.load)
+    loading = loading_of(test, stretch)
+    usable = np.isfinite(stretch) & ~np.isin(numbers, list(unheard))
+    usable[: loading.start + 1], usable[loading.peak + 1 :] = False, False
+    places = np.flatnonzero(usable)
+    if not stretch[places].max(initial=1.0) > 1.0:
+        raise DicError(
+            f"{test.folder}: in no frame "
+            + ("with a force " if unheard else "")
+            + f"is the sheet longer than in the first, as a {test.load} test makes it: check load and frames"
+        )
     if test.stretches is None:
-        return np.array([numbers[index] for index in _evenly_spaced(stretch, test)])
-    largest = max(stretch[np.isfinite(stretch)], default=1.0)
-    chosen = []
+        targets = np.linspace(1.0, stretch[places].max(), test.load_steps + 1)[1:]
+        return np.array([numbers[k] for k in sorted({_nearest(places, stretch, target) for target in targets})])
     for target in test.stretches:
-        if target > largest:
-            raise DicError(f"{test.folder}: no frame reaches the mean stretch {target:g}; the largest is {largest:.4g}")
-        chosen.append(numbers[int(np.nanargmin(np.abs(stretch - target)))])
-    return _each_once(test, "stretches", chosen)
+        if target > stretch[places].max():
+            raise DicError(
+                f"{test.folder}: no frame reaches the mean stretch {target:g}; the largest is "
+                f"{stretch[places].max():.4g}"
+            )
+    return _each_once(test, "stretches", [numbers[_nearest(places, stretch, target)] for target in test.stretches])
+
+
+def _nearest(places, stretch, target: float) -> int:
+    """Of places of frames, that with the stretch nearest to a target."""
+    return int(places[int(np.argmin(np.abs(stretch[places] - target)))])
+
+
+def loading_of(test: SpecimenTest, stretch: Float[np.ndarray, " frame"]) -> Loading:
+    """The loading that a test is taken to be: the last, or that of its number.
+
+    Raises:
+        DicError: there are not as many.
+    """
+    found = loadings(stretch)
+    if test.loading == "last":
+        return found[-1]
+    if test.loading > len(found):
+        raise DicError(f"{test.folder}: loading = {test.loading}, and the sheet is pulled {len(found)} times")
+    return found[test.loading - 1]
 
 
 def _nearest_in_time(test: SpecimenTest, numbers: list[int], times: dict[int, float] | None) -> np.ndarray:
@@ -119,15 +164,28 @@ def _each_once(test: SpecimenTest, key: str, chosen: list[int]) -> np.ndarray:
     return np.array(chosen)
 
 
-def _evenly_spaced(stretch: np.ndarray, test: SpecimenTest) -> list[int]:
-    """Indices of the frames nearest to ``load_steps`` mean stretches in equal steps up to the largest, each once."""
-    if not np.nanmax(stretch[1:], initial=1.0) > 1.0:
-        raise DicError(
-            f"{test.folder}: in no frame is the sheet longer than in the first, as a {test.load} test makes it: check "
-            "load and frames"
+def several_loadings(test: SpecimenTest, series: Series, chosen: np.ndarray) -> str:
+    """A sentence where the sheet is pulled more than once, or load steps lie in no loading or in two; else empty.
+
+    Args:
+        test: which loading is meant.
+        series: the frames.
+        chosen: numbers of the load steps.
+    """
+    stretch = mean_stretch(series, test.load)
+    found, numbers = loadings(stretch), [frame.number for frame in series.frames]
+    spans = [(numbers[each.start], numbers[each.peak]) for each in found]
+    within = [any(start < number <= peak for number in chosen) for start, peak in spans]
+    outside = [int(n) for n in chosen if not any(start < n <= peak for start, peak in spans)]
+    if len(found) > 1 and sum(within) == 1 and not outside:
+        listed = ", ".join(f"{k} from frame {start} to {peak}" for k, (start, peak) in enumerate(spans, start=1))
+        return (
+            f"the sheet is pulled {len(found)} times ({listed}): number {within.index(True) + 1} is used; "
+            "loading: N uses another"
         )
-    # What follows the largest stretch is not the loading of the test.
-    loading = stretch[: int(np.nanargmax(stretch)) + 1]
-    targets = np.linspace(1.0, loading[-1], test.load_steps + 1)[1:]
-    nearest = {int(np.nanargmin(np.abs(loading - target))) for target in targets}
-    return sorted(nearest - {0})
+    if sum(within) > 1 or (outside and any(within)):
+        return (
+            "the load steps are of several loadings, or of loading and unloading at once, which differ in most "
+            "materials: choose them within one"
+        )
+    return ""

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.dic.errors import DicError
+from hypernode.dic.forces.matching import PullRecord
 from hypernode.dic.series import Frame
 
 #: Fewest frames near the largest strain whose forces tell increments from displacements.
@@ -32,6 +33,15 @@ def accumulated(frames: Sequence[Frame]) -> list[Frame]:
         total = total + frame.displacement if k else np.where(np.isnan(frame.displacement), np.nan, 0.0)
         sums.append(replace(frame, displacement=total))
     return sums
+
+
+def refuse_where_reached(
+    folder: str, strain: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"], pull: PullRecord
+) -> None:
+    """:func:`refuse_increments` of the frames whose force a record tells, where these follow one another."""
+    seen = pull.reached(numbers) & np.isfinite(strain)
+    if np.diff(numbers[seen]).max(initial=0) == 1:
+        refuse_increments(folder, strain[seen], pull.forces(numbers[seen]))
 
 
 def refuse_increments(folder: str, strain: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> None:

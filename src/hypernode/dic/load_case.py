@@ -9,10 +9,10 @@ from jaxtyping import Float, Int
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.config.specimens import Specimen
 from hypernode.dic.camera_motion import camera_motion, without
-from hypernode.dic.forces.importing import import_forces
+from hypernode.dic.forces.importing import hear_forces, import_forces
 from hypernode.dic.forces.matching import Component
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
-from hypernode.dic.frames import mean_stretch, select_frames, trimmed
+from hypernode.dic.frames import mean_stretch, select_frames, several_loadings, trimmed
 from hypernode.dic.noise.steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
 from hypernode.dic.relaxing import relaxation_of
@@ -58,24 +58,30 @@ class LoadCase:
     findings: tuple[str, ...]
 
 
-def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
+def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None = None) -> LoadCase:
     """Read a test's frames and force record, each frame's force by its picture or its time.
+
+    Args:
+        specimen: of which the test is.
+        test: what the configuration says of it.
+        full: its frames, where they were read already.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    full = read_test(test)
+    full = full or read_test(test)
     series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
     clock = frame_clock(test, series)
     times = clock and {frame.number: float(clock.at(frame.number)) for frame in series.frames}
-    numbers = select_frames(test, series, times)
+    heard = None if test.force_file is None else hear_forces(test, series, clock)
+    numbers = select_frames(test, series, times, heard.unheard if heard else {})
     case = _without_force(test, full, series, angles, numbers)
     case = replace(case, time=np.array([times[n] if times else np.nan for n in numbers]))
-    if test.force_file is None:
+    strange = _strange_frames(test, series, numbers)
+    if heard is None:
         say("import", test.folder, "no force is recorded: every stress is known up to one factor")
-        return case
-    sections = (specimen.height * specimen.thickness, specimen.width * specimen.thickness)
-    found = import_forces(test, sections, series, clock, numbers)
+        return replace(case, findings=(*case.findings, *strange))
+    found = import_forces(test, (specimen.width, specimen.height), specimen.thickness, series, heard, numbers)
     used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
     return replace(
         case,
@@ -83,7 +89,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest) -> LoadCase:
         force=found.force,
         relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
-        findings=(*case.findings, *_said_otherwise(test, series), *found.findings),
+        findings=(*case.findings, *strange, *found.findings),
     )
 
 
@@ -130,12 +136,13 @@ def _without_force(
     )
 
 
-def _said_otherwise(test: SpecimenTest, series: Series) -> tuple[str, ...]:
-    """What the configuration says of the frames' times and the files do not, as a warning."""
-    sentence = times_contradicted(test, series)
-    if sentence:
+def _strange_frames(test: SpecimenTest, series: Series, numbers) -> tuple[str, ...]:
+    """Warnings: times that the files say otherwise than the configuration, and several loadings."""
+    sentences = [times_contradicted(test, series), several_loadings(test, series, numbers)]
+    found = tuple(filter(None, sentences))
+    for sentence in found:
         say("import", test.folder, f"warning: {sentence}")
-    return (sentence,) if sentence else ()
+    return found
 
 
 def _from_where_the_camera_was(test: SpecimenTest, series: Series) -> tuple[Series, dict[int, float]]:

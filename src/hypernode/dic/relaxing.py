@@ -6,6 +6,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.data.lost import along
 from hypernode.dic.forces.matching import PullRecord
 from hypernode.dic.frames import mean_stretch
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS, tensile_axis
 from hypernode.mechanics.relaxation import ELASTIC, Relaxation, fit_relaxation
@@ -37,6 +38,11 @@ def relaxation_of(test: SpecimenTest, series: Series, used: Series, pulls: dict)
     pull: PullRecord = pulls[RESULTANTS[test.load][0]]
     if pull.clock is None and pull.record.time is None:
         say("import", test.folder, "nothing tells the times of the frames: the sheet counts as elastic")
+        return ELASTIC
+    every, numbers = mean_stretch(series, test.load), np.array([frame.number for frame in series.frames])
+    later = numbers[loadings(every)[0].peak] < max(frame.number for frame in used.frames)
+    if later and pull.displacement is None:
+        say("import", test.folder, "no crosshead tells the course of the loadings before: the sheet counts as elastic")
         return ELASTIC
     stretch = mean_stretch(used, test.load)
     known = np.isfinite(stretch) & (stretch > 0.0)

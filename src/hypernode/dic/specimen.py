@@ -14,6 +14,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.forces.level import assumed_force
 from hypernode.dic.load_case import LoadCase, import_load_case
 from hypernode.dic.placing import on_one_grid
+from hypernode.dic.series import Series
 from hypernode.dic.thickness import thickness_at
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES, Mesh, rectilinear
@@ -85,18 +86,19 @@ class ImportedSpecimen:
         return list(dict.fromkeys((*(path for case in self.cases for path in case.files), *maps)))
 
 
-def import_specimen(specimen: Specimen, hole: Callable | None = None) -> ImportedSpecimen:
+def import_specimen(specimen: Specimen, hole: Callable | None = None, full: Series | None = None) -> ImportedSpecimen:
     """Read a specimen's tests onto one grid.
 
     Args:
         specimen: what the configuration says.
         hole: where there is no material: more than a half at positions (point, 2) in the unit square, which is
             stretched over the measured field.
+        full: the frames of its one test, where they were read already.
 
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    return specimen_of(specimen, [import_load_case(specimen, test) for test in specimen.all_tests], hole)
+    return specimen_of(specimen, [import_load_case(specimen, test, full) for test in specimen.all_tests], hole)
 
 
 def specimen_of(specimen: Specimen, cases: list[LoadCase], hole: Callable | None = None) -> ImportedSpecimen:

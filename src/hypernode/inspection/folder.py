@@ -13,6 +13,7 @@ from hypernode.dic.forces.clock import ClockOffset
 from hypernode.dic.forces.record import record_of_frames
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, trimmed
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.inspection.content import Content, content_of
@@ -128,7 +129,7 @@ def _unloading(seen: Inspection) -> Known:
     """Frames that follow the largest stretch, where it falls by more than they scatter."""
     test = seen.known.specimen(seen.folder)
     stretch = mean_stretch(seen.kept, test.load)
-    if test.load_steps is None or not np.nanmax(stretch, initial=1.0) > 1.0:
+    if test.load_steps is None or not np.nanmax(stretch, initial=1.0) > 1.0 or len(loadings(stretch)) > 1:
         return Known()
     peak = int(np.nanargmax(stretch))
     after = stretch[peak + 1 :]
@@ -202,7 +203,8 @@ def _imported(seen: Inspection) -> Inspection:
     """The import itself, which has the last word."""
     with heard() as said:
         try:
-            sheet = import_specimen(seen.known.specimen(seen.folder))
+            specimen = seen.known.specimen(seen.folder)
+            sheet = import_specimen(specimen, full=None if specimen.frames else seen.field.series)
         except DicError as error:
             return _and(seen, missing(str(error)))
     told = {remark.sentence for remark in seen.known.odd}

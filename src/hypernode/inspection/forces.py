@@ -13,6 +13,7 @@ from hypernode.dic.forces.matching import Component, PullRecord, best_told, pull
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 
@@ -48,11 +49,12 @@ def courses(
     parts = [part for part in RESULTANTS[test.load] if record.axes == (PULL,) or "xy"[part[0]] in record.axes]
     if record.axes == (PULL,) and len(parts) > 1:
         return [], []
-    pulls = pulls_of(test, record, parts, clock)
+    numbers = [frame.number for frame in series.frames]
+    pulls = pulls_of(test, record, parts, clock, numbers)
     offsets = _offsets(test, series, pulls)
     found = agreed_offset(offsets) if test.force_time_offset == "estimate" else None
     if found is not None:
-        pulls = pulls_of(test, record, parts, clock.later(found.seconds))
+        pulls = pulls_of(test, record, parts, clock.later(found.seconds), numbers)
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
 
 
@@ -80,8 +82,8 @@ def _offsets(test: SpecimenTest, series: Series, pulls: dict[Component, PullReco
         return []
     numbers = np.array([frame.number for frame in series.frames])
     stretch = working_stretch(series, test.load, *part)
-    # What follows the largest stretch is not the loading of the test.
-    seen = np.isfinite(stretch) & (np.arange(len(stretch)) <= np.argmax(np.nan_to_num(stretch)))
+    # What follows the first loading says nothing more of the clocks.
+    seen = np.isfinite(stretch) & (np.arange(len(stretch)) <= loadings(stretch)[0].peak)
     return estimate_offsets(pull.times(numbers[seen]), stretch[seen], pull.time, pull.force, pull.displacement)
 
 

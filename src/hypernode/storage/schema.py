@@ -155,9 +155,7 @@ VARIABLES = {
     "material_label": Variable(("cell",), "1", "material that has most of a cell, from 0"),
     "interface_distance": Variable(("node",), "1", "distance from the line in sides of a cell, positive in material 0"),
     "local_misfit": Variable(
-        ("cell",),
-        "1",
-        "misfit of the displacements around a cell over that of the sheet, or over noise where that is more",
+        ("cell",), "1", "misfit of displacements around a cell over that of the sheet or over noise, what is more"
     ),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
     "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of layers less that of both at one F"),

@@ -29,6 +29,8 @@ class ForceLimits:
             steps, noise of n frames has 0 within 1/sqrt(n).
         force_at_rest: share of the largest force that the reference frame may carry. A preload is a tenth of the test
             at most where the reference still counts as free of stress.
+        zero_at_rest: the same of a reading that nobody explained. Load cells of class 1 are zero within a thousandth,
+            and a sheet that begins to be pulled between two frames reads a hundredth.
         goes_on: largest force after the last frame over that until then. Pictures that end with the test miss what the
             sheet is pulled on in a frame; a frame rate of twice the true one misses half.
         unit_jump: how far the ratio of neighbouring samples may be from a power of ten, in decades: the sheet pulls
@@ -50,6 +52,7 @@ class ForceLimits:
     least_rise: float = 0.05
     least_correlation: float = 0.3
     force_at_rest: float = 0.1
+    zero_at_rest: float = 0.03
     goes_on: float = 1.25
     unit_jump: float = 0.05
     jump_over_neighbours: float = 5.0
@@ -137,16 +140,29 @@ def check_end(
     ]
 
 
-def check_rest(force: Float[np.ndarray, " frame"], limits: ForceLimits = LIMITS) -> list[Finding]:
-    """The reference, the first of the frames, carries no force [N]: it is the state without stress."""
+def check_rest(
+    force: Float[np.ndarray, " frame"], explained: bool = True, limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The reference, the first of the frames, carries no force [N]: it is the state without stress.
+
+    Args:
+        force: of the frames, without the reading at rest that is known.
+        explained: whether the configuration says what the record reads at rest.
+        limits: what counts as a force.
+    """
     largest = np.abs(force[1:]).max(initial=0.0)
-    if len(force) < 2 or abs(force[0]) <= limits.force_at_rest * largest:
+    share = abs(force[0]) / largest if len(force) > 1 and largest > 0.0 else 0.0
+    if share <= (limits.force_at_rest if explained else limits.zero_at_rest):
         return []
+    sentence = f"the force at the reference frame is {force[0]:.4g} N, {share:.0%} of the largest: "
+    if explained:
+        return [Finding(sentence + "a preload, a zero for force_offset, or a clock for first_frame_time", False)]
     return [
         Finding(
-            f"the force at the reference frame is {force[0]:.4g} N, {abs(force[0]) / largest:.0%} of the largest: a "
-            "preload, a zero for force_offset, or a clock for first_frame_time",
-            False,
+            f"{sentence}is it the zero of the load cell, --set force_offset={force[0]:.4g}; a preload, which the "
+            "material is then taken without, --set force_offset=0; or is the sheet pulled already, so that the clocks "
+            "differ, --set first_frame_time=SECONDS?",
+            True,
         )
     ]
 

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
+from hypernode.dic.loadings import loadings
 
 #: Offsets that are tried, in a frame interval.
 _LAGS = 10
@@ -104,6 +105,10 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
     largest = force[during].max(initial=0.0)
     if during.sum() < 3 or largest <= 0.0:
         return None
+    first = loadings(force)[0].peak
+    if first < 2 or force[first] < 0.5 * largest:
+        return None
+    time, force, during = time[: first + 1], force[: first + 1], during[: first + 1]
     (low, doubt), (high, _) = (_crossing(time, force, share * largest) for share in _ONSET)
     stretched = stretch - stretch[0]
     first, second = (_crossing(frame_time, stretched, share * stretched.max())[0] for share in _ONSET)

@@ -1,49 +1,54 @@
-"""Times of day in a record, as seconds since its first sample."""
+"""Clock times of a record as seconds since its first sample."""
 
 import re
 from dataclasses import replace
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.table import Row, Table
+from hypernode.dic.forces.table import Table
 
-#: Hours, minutes and seconds, with a date in front or without.
+#: 10:11:57.25, with or without a date before it, and with a comma or a colon before its decimals.
 _CLOCK = re.compile(
-    r"^(?P<date>\S+[ T])?(?P<h>\d{1,2}):(?P<m>[0-5]\d):(?P<s>[0-5]\d(?:[.,]\d+)?)\s*(?P<half>[AaPp][Mm])?$"
+    r"^(?:.*[ T])?(?P<h>\d{1,2}):(?P<min>[0-5]\d):(?P<s>[0-5]\d(?:[.,:]\d+)?)(?:Z|\s*(?P<half>[AaPp])[Mm])?$"
 )
-_MINUTES = re.compile(r"^(?P<m>\d{1,3}):(?P<s>[0-5]\d(?:[.,]\d+)?)$")
+#: Minutes and seconds of a stopwatch.
+_MINUTES = re.compile(r"^(?P<min>\d{1,3}):(?P<s>[0-5]\d(?:[.,]\d+)?)$")
 _DAY = 86400.0
 
 
-def with_clock_in_seconds(table: Table) -> Table:
-    """The table with times of day in its column of the time made seconds since the first; others as they are.
+def with_seconds(table: Table, column: int) -> Table:
+    """The table with a column of clock times in seconds since the first; as it is where they are none.
+
+    A time of day that falls by more than half a day has passed midnight.
 
     Raises:
         DicError: a time of day stands among what is none.
     """
-    at = table.find(table.dialect.time)
-    if at is None or not table.rows or _seconds(table.rows[0][1][at]) is None:
+    found = [_seconds(cells[column].strip()) for _, cells in table.rows]
+    if not found or found[0] is None:
         return table
-    first, last, day, rows = None, None, 0.0, list[Row]()
-    for line, cells in table.rows:
-        seconds = _seconds(cells[at])
-        if seconds is None:
-            raise DicError(f"{table.path}:{line}: {cells[at][:40]!r} is no time of day as those above it are")
-        if last is not None and seconds + day < last - _DAY / 2:
-            day += _DAY
-        last = seconds + day
-        first = last if first is None else first
-        rows.append((line, [*cells[:at], repr(round(last - first, 9)), *cells[at + 1 :]]))
-    units = [*table.units[:at], "s", *table.units[at + 1 :]]
+    if None in found:
+        line, cells = table.rows[found.index(None)]
+        raise DicError(f"{table.path}:{line}: {cells[column][:40]!r} is no time of day as those above it are")
+    seconds, days = [], 0.0
+    for each in found:
+        if seconds and each + days < seconds[-1] - 0.5 * _DAY:
+            days += _DAY
+        seconds.append(each + days)
+    comma = any("," in cell for _, cells in table.rows for k, cell in enumerate(cells) if k != column)
+    texts = [f"{each - seconds[0]:.6f}".replace(".", "," if comma else ".") for each in seconds]
+    rows = [
+        (line, [*cells[:column], text, *cells[column + 1 :]])
+        for (line, cells), text in zip(table.rows, texts, strict=True)
+    ]
+    units = [*table.units[:column], "s", *table.units[column + 1 :]]
     return replace(table, rows=rows, units=units)
 
 
 def _seconds(cell: str) -> float | None:
     """Seconds since midnight, or of a stopwatch; None where a cell holds no time of day."""
-    cell = cell.strip()
     if match := _CLOCK.match(cell):
-        hours = int(match["h"]) % (12 if match["half"] else 24)
-        hours += 12 if (match["half"] or "").lower() == "pm" else 0
-        return 3600.0 * hours + 60.0 * int(match["m"]) + float(match["s"].replace(",", "."))
+        hours = int(match["h"]) % 12 + 12 * (match["half"] in "Pp") if match["half"] else int(match["h"])
+        return 3600.0 * hours + 60.0 * int(match["min"]) + float(re.sub("[,:]", ".", match["s"]))
     if match := _MINUTES.match(cell):
-        return 60.0 * int(match["m"]) + float(match["s"].replace(",", "."))
+        return 60.0 * int(match["min"]) + float(match["s"].replace(",", "."))
     return None

@@ -44,6 +44,24 @@ class Dialect:
     cycles: tuple[str, str] | None = None
 
 
+#: Names of columns in the languages of usual machines and loggers: time, force, way, and number of a picture.
+TIME_NAMES = (
+    *("time", "elapsed time", "total time", "running time", "test time", "t", "zeit", "gesamtzeit", "prüfzeit"),
+    *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp"),
+)
+FORCE_NAMES = (
+    *("force", "load", "axial force", "axial load", "tensile force", "standard force", "force 1", "load cell", "f"),
+    *("kraft", "last", "zugkraft", "standardkraft", "effort", "charge", "force axiale"),
+)
+WAY_NAMES = (
+    *("displacement", "extension", "crosshead", "crosshead displacement", "position", "stroke", "axial displacement"),
+    *("weg", "traversenweg", "standardweg", "verschiebung", "déplacement", "deplacement", "traverse", "allongement"),
+)
+PICTURE_NAMES = (
+    *("image", "image index", "image number", "image no", "image no.", "image file", "picture", "picture number"),
+    *("frame", "frame number", "frame no", "bild", "bildnummer", "bild-nr.", "photo", "file", "filename"),
+)
+
 #: In the order in which they are tried: what asks for more comes first.
 DIALECTS = (
     Dialect(
@@ -118,8 +136,22 @@ DIALECTS = (
         name="wavematrix",
         program="Instron WaveMatrix",
         time=("total time", "elapsed time", "gesamtzeit", "verstrichene zeit", "temps total", "temps écoulé"),
-        force={PULL: ()},
+        force={PULL: ("last(x:kraft)", "load(x:force)", "load(linear:load)", "last(linear:last)")},
+        displacement={
+            PULL: ("position des aktuators(x:position)", "position(x:position)", "position(linear:position)")
+        },
         units="brackets",
+        preamble=0,
+        delimiters=";,\t",
+    ),
+    Dialect(
+        name="cellscale_univert",
+        program="CellScale UniVert",
+        time=("time",),
+        force={PULL: ("force",)},
+        displacement={PULL: ("displacement",)},
+        units="suffix",
+        cycles=("setname", "cycle"),
     ),
     Dialect(
         name="named_axes",
@@ -146,10 +178,40 @@ DIALECTS = (
         displacement={PULL: ("displacement",)},
         preamble=0,
     ),
+    Dialect(
+        name="usual_names_brackets",
+        program="a table of usual names with units in brackets",
+        time=TIME_NAMES,
+        force={PULL: FORCE_NAMES},
+        displacement={PULL: WAY_NAMES},
+        units="brackets",
+        preamble=20,
+    ),
+    Dialect(
+        name="usual_names_suffix",
+        program="a table of usual names with units behind a line",
+        time=TIME_NAMES,
+        force={PULL: FORCE_NAMES},
+        displacement={PULL: WAY_NAMES},
+        units="suffix",
+        preamble=20,
+    ),
+    Dialect(
+        name="usual_names",
+        program="a table of usual names with a line of units",
+        time=TIME_NAMES,
+        force={PULL: FORCE_NAMES},
+        displacement={PULL: WAY_NAMES},
+        units="row",
+        preamble=20,
+    ),
 )
 
 #: Factors to s, N and mm. Case matters: mN is not MN. A column in V holds what no calibration has turned into a force.
 TIME_UNITS = {"s": 1.0, "S": 1.0, "sec": 1.0, "Sec": 1.0, "SEC": 1.0, "ms": 1e-3, "min": 60.0}
-FORCE_UNITS = {"N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6}
+FORCE_UNITS = {
+    "N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6,
+    "daN": 10.0, "cN": 0.01, "kgf": 9.80665, "kp": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605,
+}  # fmt: skip
 LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3}
 VOLTS = ("V", "mV", "v", "mv", "Volt", "volt")

@@ -8,21 +8,17 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import (
-    Finding,
-    check_reach,
-    check_rest,
-    check_rise,
-    check_stiffness,
-    check_units,
-)
+from hypernode.dic.forces.checks import Finding, check_reach, check_rest, check_rise, check_stiffness, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
+from hypernode.dic.forces.magnitude import crosshead_findings
+from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
+from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
-from hypernode.dic.increments import refuse_increments
+from hypernode.dic.increments import refuse_where_reached
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -50,42 +46,95 @@ class Forces:
     findings: tuple[str, ...]
 
 
-def import_forces(
-    test: SpecimenTest,
-    sections: tuple[float, float],
-    series: Series,
-    clock: FrameClock | None,
-    chosen: Int[np.ndarray, " step"],
-) -> Forces:
-    """Read the record of a test, match it with the frames and check it.
+@dataclass(frozen=True)
+class Heard:
+    """The record of a test in the clock of its frames, before load steps are chosen.
+
+    Attributes:
+        record: as it was read.
+        pulls: by component.
+        unheard: number of each frame of which it tells no force -> why not.
+        findings: what is strange about the clocks.
+    """
+
+    record: ForceRecord
+    pulls: dict[Component, PullRecord]
+    unheard: dict[int, str]
+    findings: list[Finding]
+
+
+def hear_forces(test: SpecimenTest, series: Series, clock: FrameClock | None) -> Heard:
+    """Read the record of a test and match it with the frames.
 
     Args:
         test: what the configuration says of it.
-        sections: areas of the sheet's sections normal to x and to y [mm^2].
         series: the frames that were read, the reference first.
         clock: when they were taken; None where nothing tells.
-        chosen: numbers of the frames that are load steps.
 
     Raises:
-        DicError: the record cannot be read, does not reach a load step, lacks a force, or holds what no sheet can give.
+        DicError: the record cannot be read or lacks a force that the load needs.
     """
     record = _record(test, series)
     channels = ", ".join(record.channels)
     say("import", test.folder, f"{record.path.name}: read as {record.program}: {channels}")
-    pulls = pulls_of(test, record, _components(test, record), clock)
+    numbers = np.array([frame.number for frame in series.frames])
+    pulls = pulls_of(test, record, _components(test, record), clock, numbers.tolist())
     _refuse_across_a_shear(test, record, series, pulls)
-    pulls, findings = _on_one_clock(test, pulls, series, chosen)
+    pulls, findings = _on_one_clock(test, pulls, series)
+    if test.picture_shift is None and (shift := shift_of(test, record, numbers.tolist())):
+        findings.append(Finding(counted_otherwise(shift), False))
+    unheard = {}
+    for part, pull in pulls.items():
+        course = working_stretch(series, test.load, *part)
+        seen = np.isfinite(course) & (pull.image is None or np.isin(numbers, pull.image))
+        time = pull.times(numbers[seen])
+        if pull.image is None and check_reach(time, pull.time, pull.force):
+            # The clocks are apart, which is refused when the forces are checked.
+            continue
+        pulls[part] = with_silences(pull, time, course[seen])
+        unheard |= pulls[part].unheard(numbers)
+    findings += [Finding(not_used(numbers, unheard), False)] if unheard else []
+    return Heard(record, pulls, unheard, findings)
+
+
+def import_forces(
+    test: SpecimenTest,
+    sides: tuple[float, float],
+    thickness: float,
+    series: Series,
+    heard: Heard,
+    chosen: Int[np.ndarray, " step"],
+) -> Forces:
+    """The forces of the load steps, once they are checked.
+
+    Args:
+        test: what the configuration says of it.
+        sides: of the sheet, along x and y [mm].
+        thickness: of the sheet [mm].
+        series: the frames that were read, the reference first.
+        heard: their record.
+        chosen: numbers of the frames that are load steps.
+
+    Raises:
+        DicError: the record does not reach a load step, or holds what no sheet can give.
+    """
+    pulls, findings = heard.pulls, list(heard.findings)
     numbers = np.array([frame.number for frame in series.frames])
     several = len(pulls) > 1
     for part, pull in pulls.items():
-        _refuse_increments(test, series, part, pull, numbers)
-        found = _checked(pull, numbers, working_stretch(series, test.load, *part), sections[part[1]], chosen)
+        course, area = working_stretch(series, test.load, *part), sides[1 - part[1]] * thickness
+        if not test.increments:
+            refuse_where_reached(test.folder, course - 1.0, numbers, pull)
+        found = _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
+        if not any(each.refused for each in found):
+            found += crosshead_findings(test, pull, series, part, sides)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))
     time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
     force = {part: pull.forces(chosen) for part, pull in pulls.items()}
-    return Forces(record.path, pulls, time, force, _reported(test.folder, record.path, findings))
+    path = heard.record.path
+    return Forces(path, pulls, time, force, _reported(test.folder, path, findings))
 
 
 def _record(test: SpecimenTest, series: Series) -> ForceRecord:
@@ -141,13 +190,13 @@ def _refuse_across_a_shear(test: SpecimenTest, record: ForceRecord, series: Seri
             )
 
 
-def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series, chosen):
+def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series):
     """(the pulls in the clock of the pictures as far as it is told, what is strange about it)."""
     part = best_told(pulls)
     pull, given = pulls[part], test.force_time_offset
     if pull.image is not None:
         return pulls, []
-    numbers, stretch = _until_the_last(series, working_stretch(series, test.load, *part), chosen)
+    numbers, stretch = _first_loading(series, working_stretch(series, test.load, *part))
     time = pull.times(numbers)
     offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
     if given != "estimate":
@@ -166,14 +215,14 @@ def _estimated(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[float, str
     return offset.seconds, f"offset of the force record: {offset}"
 
 
-def _until_the_last(series: Series, course: Float[np.ndarray, " frame"], chosen):
-    """(numbers of the frames up to the last load step whose course is known, their course)."""
+def _first_loading(series: Series, course: Float[np.ndarray, " frame"]):
+    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
     numbers = np.array([frame.number for frame in series.frames])
-    seen = (numbers <= chosen.max()) & np.isfinite(course)
+    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
     return numbers[seen], course[seen]
 
 
-def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Finding]:
+def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: bool) -> list[Finding]:
     """What is strange about one force, against the course of the stretch with which it should grow."""
     seen = (numbers <= chosen.max()) & np.isfinite(course)
     if pull.image is None and (elsewhere := check_reach(pull.times(numbers[seen]), pull.time, pull.force)):
@@ -184,15 +233,7 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen) -> list[Fin
     findings = check_rise(course[seen][reached], forces)
     findings += check_units(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
-    return findings + (check_rest(forces) if reached[0] else [])
-
-
-def _refuse_increments(test: SpecimenTest, series: Series, part: Component, pull: PullRecord, numbers) -> None:
-    """Refuse displacements from frame to frame, which the force tells in the frames that the record reaches."""
-    strain = working_stretch(series, test.load, *part) - 1.0
-    seen = pull.reached(numbers) & np.isfinite(strain)
-    if not test.increments and np.diff(numbers[seen]).max(initial=0) == 1:
-        refuse_increments(test.folder, strain[seen], pull.forces(numbers[seen]))
+    return findings + (check_rest(forces, explained) if reached[0] else [])
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:

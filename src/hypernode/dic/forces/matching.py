@@ -1,7 +1,7 @@
 """Which force belongs to which frame: by the number of the picture where the record has it, else by time."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,6 +10,29 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
+
+#: Share of the time between two frames by which clocks that are rounded may miss the ends of a record.
+_ROUNDED = 0.02
+
+
+@dataclass(frozen=True)
+class Silence:
+    """Times [s] between which a record says nothing of the force.
+
+    Attributes:
+        begin, end: of it; a frame at its begin is not in it.
+        why: in words.
+        closed: whether a frame at its end is in it.
+    """
+
+    begin: float
+    end: float
+    why: str
+    closed: bool = False
+
+    def holds(self, time: float, rounded: float) -> bool:
+        """Whether a time is in it, and not next to a sample that tells the force."""
+        return self.begin + rounded < time and (time <= self.end if self.closed else time < self.end - rounded)
 
 
 @dataclass(frozen=True)
@@ -24,6 +47,7 @@ class PullRecord:
         displacement: of the crosshead [mm]; None where it is not recorded.
         image: number of the picture of every sample, NaN where there is none; None where it is not recorded.
         clock: when each frame was taken; None where nothing tells.
+        silences: when it says nothing.
     """
 
     record: ForceRecord
@@ -32,6 +56,12 @@ class PullRecord:
     displacement: Float[np.ndarray, " sample"] | None
     image: Float[np.ndarray, " sample"] | None
     clock: FrameClock | None
+    silences: tuple[Silence, ...] = ()
+
+    @property
+    def rounded(self) -> float:
+        """Seconds within which a frame and a sample are of one time."""
+        return 0.0 if self.clock is None else _ROUNDED * self.clock.interval
 
     def times(self, numbers: Int[np.ndarray, " frame"]) -> Float[np.ndarray, " frame"]:
         """Time [s] of frames in the clock of the record.
@@ -57,13 +87,13 @@ class PullRecord:
         if self.image is not None:
             return self._of_pictures(self.force, numbers)
         path, time = self.record.path, self.times(numbers)
-        late = time > self.time[-1]
+        late = time > self.time[-1] + self.rounded
         if late.any():
             raise DicError(
                 f"{path}: ends at {self.time[-1]:g} s, before frame {numbers[late][0]} at "
                 f"{time[late][0]:g} s: check frame_rate and first_frame_time"
             )
-        early = time < self.time[0]
+        early = time < self.time[0] - self.rounded
         if early.any():
             raise DicError(
                 f"{path}: begins at {self.time[0]:g} s, after frame {numbers[early][0]} at {time[early][0]:g} s: set "
@@ -72,11 +102,25 @@ class PullRecord:
         return np.interp(time, self.time, self.force)
 
     def reached(self, numbers: Int[np.ndarray, " frame"]) -> np.ndarray:
-        """Which frames lie within the record."""
+        """Which frames lie within the record, and not where it is silent."""
+        told = ~np.isin(numbers, list(self.unheard(numbers)))
         if self.image is not None:
-            return np.isin(numbers, self.image)
+            return told & np.isin(numbers, self.image)
         time = self.times(numbers)
-        return (time >= self.time[0]) & (time <= self.time[-1])
+        return (time >= self.time[0] - self.rounded) & (time <= self.time[-1] + self.rounded) & told
+
+    def unheard(self, numbers: Int[np.ndarray, " frame"]) -> dict[int, str]:
+        """Number of each frame that was taken while the record is silent -> why it is."""
+        if not self.silences:
+            return {}
+        if self.image is not None:
+            numbers = np.asarray(numbers)[np.isin(numbers, self.image)]
+        found = {}
+        for number, time in zip(numbers, self.times(numbers), strict=True):
+            why = next((each.why for each in self.silences if each.holds(time, self.rounded)), None)
+            if why:
+                found[int(number)] = why
+        return found
 
     def _of_pictures(self, values, numbers):
         """Means of the samples of each picture."""
@@ -86,7 +130,11 @@ class PullRecord:
             if not at.any():
                 known = self.image[np.isfinite(self.image)]
                 extent = f"it has {known.min():g} to {known.max():g}" if len(known) else "it numbers none"
-                raise DicError(f"{self.record.path}: no sample of picture {number}; {extent}")
+                raise DicError(
+                    f"{self.record.path}: no sample of picture {number}; {extent}: where pictures are counted "
+                    "otherwise than frames, --set picture_shift=N says what their numbers are more than those of the "
+                    "frames; else choose others, --set 'frames=[...]'"
+                )
             means.append(values[at].mean())
         return np.array(means)
 
@@ -96,11 +144,44 @@ Component = tuple[int, int]
 
 
 def pulls_of(
-    test: SpecimenTest, record: ForceRecord, parts: Iterable[Component], clock: FrameClock | None
+    test: SpecimenTest,
+    record: ForceRecord,
+    parts: Iterable[Component],
+    clock: FrameClock | None,
+    numbers: list[int],
 ) -> dict[Component, PullRecord]:
-    """The parts of a test's record that belong to its forces, in the clock of the frames."""
+    """The parts of a test's record that belong to its forces, in the clock of the frames and by their ``numbers``."""
+    record = replace(record, image=_shifted(test, record, numbers))
     axes = {part: "xy"[part[0]] for part in parts}
+    if not test.crosshead:
+        record = replace(record, displacement=None)
     return {part: pull_record(record, axis, test.force_zero(axis), clock) for part, axis in axes.items()}
+
+
+def shift_of(test: SpecimenTest, record: ForceRecord, numbers: list[int]) -> int:
+    """What the numbers of a record's pictures are more than those of their frames.
+
+    It is given, or one for which every picture has its frame and every frame its picture, and zero otherwise.
+    """
+    if test.picture_shift is not None or record.image is None:
+        return test.picture_shift or 0
+    pictures = np.unique(record.image[np.isfinite(record.image)])
+    if len(pictures) != len(numbers) or np.isin(numbers, pictures).all():
+        return 0
+    apart = pictures - np.sort(numbers)
+    return int(apart[0]) if (apart == apart[0]).all() else 0
+
+
+def counted_otherwise(shift: int) -> str:
+    """A sentence on a shift that was found."""
+    return (
+        f"the record counts its pictures by {shift:+d} otherwise than the frames are numbered, and has as many: they "
+        f"are taken in their order, --set picture_shift={shift}; --set picture_shift=0 takes the numbers as they are"
+    )
+
+
+def _shifted(test: SpecimenTest, record: ForceRecord, numbers: list[int]) -> Float[np.ndarray, " sample"] | None:
+    return None if record.image is None else record.image - shift_of(test, record, numbers)
 
 
 def best_told(pulls: dict[Component, PullRecord]) -> Component:

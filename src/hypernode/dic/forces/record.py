@@ -1,6 +1,5 @@
 """Force records of testing machines, whatever program wrote them."""
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,15 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.clock_times import with_clock_in_seconds
+from hypernode.dic.forces.clock_times import with_seconds
 from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
+from hypernode.dic.forces.pictures import picture_column, pictures_of
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
 from hypernode.dic.series import Series
 from hypernode.dic.text import shown
-
-#: The number of a picture in its file's name: Image_0007_0.tiff is the seventh picture of camera 0.
-_PICTURE = re.compile(r"(?P<number>\d+)(?:_\d)?\.[A-Za-z]+$")
 
 
 @dataclass(frozen=True)
@@ -67,6 +64,7 @@ def read_force_record(
         path: the file.
         dialect: name of the dialect, where it is not recognised.
         channel: name of the column with the force, or that along each axis, where it is not the dialect's own.
+        time: name of the column with the time, where it is not the dialect's own.
         set_name, cycle: of the rows that count, where a file holds several cycles.
         time: name of the column with the time, where it is not the dialect's own.
 
@@ -75,9 +73,12 @@ def read_force_record(
     """
     path = Path(path)
     named = channel.values() if isinstance(channel, dict) else [channel] if channel else []
-    table = with_clock_in_seconds(choose_cycle(read_table(path, dialect, tuple(named), time), set_name, cycle))
+    table = choose_cycle(read_table(path, dialect, tuple(named), time), set_name, cycle)
     forces = _force_columns(table, channel)
-    where = (table.find(table.dialect.time), table.find(table.dialect.image))
+    at_time = table.find(table.dialect.time) if time is None else _channel(table, time, "time_channel")
+    where = (at_time, picture_column(table))
+    if at_time is not None:
+        table = with_seconds(table, at_time)
     columns = [(at, _scale(table, at, FORCE_UNITS, "force in (N)")) for at in forces.values()]
     if where[0] is not None:
         columns.insert(0, (where[0], _scale(table, where[0], TIME_UNITS, "time in (s)")))
@@ -88,7 +89,7 @@ def read_force_record(
         path,
         table.dialect,
         None if where[0] is None else values[:, 0],
-        None if where[1] is None else _pictures(table, where[1], needed=where[0] is None),
+        None if where[1] is None else pictures_of(table, where[1], needed=where[0] is None),
         tuple(forces),
         values[:, -len(forces) :],
         _displacement(table, tuple(forces), decimal),
@@ -113,7 +114,7 @@ def record_of_frames(folder: Path, series: Series) -> ForceRecord:
     return ForceRecord(folder, None, None, numbers, (PULL,), force, None, ("force of each frame",))
 
 
-def _channel(table: Table, channel: str) -> int:
+def _channel(table: Table, channel: str, key: str = "force_channel") -> int:
     """Column of a name that the configuration gives."""
     full = [name.lower() for name in table.header]
     wanted = channel.strip().lower()
@@ -121,7 +122,7 @@ def _channel(table: Table, channel: str) -> int:
     if len(at) != 1:
         raise DicError(
             f"{table.path}:{table.line}: {len(at) or 'no'} columns {channel!r} among {shown(table.header)}: "
-            "set force_channel to the whole name of one"
+            f"set {key} to the whole name of one"
         )
     return at[0]
 
@@ -208,27 +209,6 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
     except ValueError:
         return None
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
-
-
-def _pictures(table: Table, column: int, needed: bool) -> np.ndarray:
-    """Number of every sample's picture; NaN where it has none, which is an error where nothing else tells its time."""
-    numbers, last = [], -np.inf
-    for line, cells in table.rows:
-        cell = cells[column].strip()
-        match = _PICTURE.search(cell)
-        try:
-            number = parse_number(match["number"] if match else cell.replace(",", ".") or "nan", ".")
-        except ValueError:
-            number = np.inf
-        if np.isinf(number) or not (np.isnan(number) or number.is_integer()):
-            raise DicError(f"{table.path}:{line}: {cell[:60]!r} names no picture")
-        if needed and np.isnan(number):
-            raise DicError(f"{table.path}:{line}: neither a time nor the number of a picture")
-        if number < last:
-            raise DicError(f"{table.path}:{line}: pictures go back from {last:g} to {number:g}")
-        last = last if np.isnan(number) else number
-        numbers.append(number)
-    return np.array(numbers)
 
 
 def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:

@@ -59,15 +59,15 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
         for delimiter in each.delimiters:
             rows = _cut(path, text, delimiter)
             first = first or rows
-            table = _in_dialect(path, rows, each, channels)
+            table = _in_dialect(path, rows, each, channels, time)
             if table is not None:
                 return table
     if len(first) < 3:
         raise DicError(f"{path}: {_TOO_SHORT}")
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
-        f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: rename the "
-        "columns, or set force_format and force_channel, or time_channel"
+        f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: say which "
+        "columns they are, --set force_channel=NAME and --set time_channel=NAME, or rename them"
     )
 
 
@@ -88,19 +88,23 @@ def _cut(path: Path, text: str, delimiter: str) -> list[Row]:
         raise DicError(f"{path}:{reader.line_num}: cannot be read: {error}") from None
 
 
-def _in_dialect(path: Path, rows: list[Row], dialect: Dialect, channels: Sequence[str]) -> Table | None:
+def _in_dialect(
+    path: Path, rows: list[Row], dialect: Dialect, channels: Sequence[str], time: str | None
+) -> Table | None:
     """The table below the first line that is this dialect's header; None where there is none."""
     first = rows[0][1] if rows else []
     if dialect.begins and not (first and first[0].strip().lower().startswith(dialect.begins)):
         return None
     forces = [] if channels else dialect.force.values()
-    wanted = [names for names in (dialect.time, *forces) if names]
+    wanted = [names for names in (() if time else dialect.time, *forces) if names]
     wanted += [(name,) for name in (*dialect.also, *(dialect.cycles or ()))]
     wanted += [dialect.image] if dialect.image else []
     for at, (line, row) in enumerate(rows[: dialect.preamble + 1]):
         pairs = [_name_and_unit(cell, dialect.units) for cell in row]
         names = [name for name, _ in pairs]
-        if not all(any(name in names for name in group) for group in wanted):
+        full = {*names, *(cell.strip().lower() for cell in row)}
+        timed = time is None or time.strip().lower() in full
+        if not timed or not all(any(name in names for name in group) for group in wanted):
             continue
         units = [unit for _, unit in pairs]
         below = at + 1
@@ -109,7 +113,7 @@ def _in_dialect(path: Path, rows: list[Row], dialect: Dialect, channels: Sequenc
             below += 1
             if len(units) != len(names):
                 raise DicError(f"{path}:{line + 1}: {len(units)} units for {len(names)} columns")
-        elif dialect.units == "brackets" and not any(units):
+        elif not any(units):
             continue
         header = [cell.strip() for cell in row]
         return Table(path, dialect, line, header, names, units, _samples(path, header, rows[below:]))

@@ -1,0 +1,174 @@
+"""Faults of records as people bring them: each is read aright, named, or asked for, and none passes in silence."""
+
+import numpy as np
+import pytest
+
+from hypernode.inspection.folder import inspect
+from tests.inspection.folders import FIELDS, GIVEN, write_frames
+
+#: Elongation of every frame, a second apart, and of every sample.
+SIZES = tuple(0.025 * k for k in range(9))
+TIME = np.linspace(0.0, 8.0, 81)
+#: Height of the sheet [mm].
+HEIGHT = GIVEN["height"]
+
+
+def force_at(elongation):
+    stretch = 1.0 + np.asarray(elongation)
+    return 3.0 * (stretch - stretch**-3.0)
+
+
+def seen(folder, header, rows, sizes=SIZES, **given):
+    write_frames(folder, FIELDS["clamped_y"], sizes, first=0)
+    (folder / "force_disp.csv").write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    return inspect(folder, {**GIVEN, **given})
+
+
+def plain(folder, time=TIME, force=None, crosshead=True, sizes=SIZES, **given):
+    elongation = np.interp(time, np.arange(len(sizes)), sizes)
+    force = force_at(elongation) if force is None else force
+    columns = [time, HEIGHT * elongation, force] if crosshead else [time, force]
+    names = ["Time (s)", "Displacement (mm)", "Force (N)"] if crosshead else ["Time (s)", "Force (N)"]
+    rows = [",".join(f"{each:.5f}" for each in row) for row in zip(*columns, strict=True)]
+    return seen(folder, ",".join(names), rows, sizes, **given)
+
+
+def steps(found, sizes=SIZES):
+    """The frames used, once each has the force of its elongation."""
+    assert found.sheet is not None, [each.sentence for each in found.known.missing]
+    case = found.sheet.cases[0]
+    np.testing.assert_allclose(case.force[1, 1], force_at(np.array(sizes)[case.numbers]), rtol=1e-3, atol=1e-4)
+    return case.numbers.tolist()
+
+
+def said(found):
+    return "\n".join(each.sentence for each in (*found.known.odd, *found.known.missing))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "pull"
+
+
+def test_a_sound_record_is_read_without_a_word(folder):
+    found = plain(folder)
+    assert steps(found)[-1] == 8 and not said(found)
+
+
+def test_frames_in_a_gap_are_named_and_not_used(folder):
+    time = TIME[(TIME <= 2.05) | (TIME >= 5.95)]
+    found = plain(folder, time, crosshead=False)
+    assert not {3, 4, 5} & set(steps(found))
+    assert "no sample from 2 to 6 s" in said(found) and "(3, 4, 5)" in said(found)
+
+
+@pytest.mark.parametrize("crosshead", [True, False])
+def test_a_load_cell_at_its_limit_is_named_and_not_used(folder, crosshead):
+    force = force_at(0.025 * TIME)
+    found = plain(folder, force=np.minimum(force, 0.8 * force[-1]), crosshead=crosshead)
+    assert max(steps(found)) < 7
+    assert "the load cell is at its limit" in said(found)
+
+
+def test_a_value_that_stands_in_between_is_no_force(folder):
+    force = force_at(0.025 * TIME)
+    stuck = np.where((TIME > 2.05) & (TIME < 5.05), force[20], force)
+    found = plain(folder, force=stuck)
+    assert not {3, 4, 5} & set(steps(found))
+    assert "the force stands at" in said(found)
+
+
+def test_a_coarse_load_cell_stands_for_a_step_only(folder):
+    found = plain(folder, force=np.round(force_at(0.025 * TIME), 2))
+    assert found.sheet is not None and not said(found)
+
+
+def test_a_record_that_ends_with_the_last_frame_is_enough(folder):
+    found = plain(folder, TIME[:-1] * 8.0 / 7.9 - 1e-9)
+    assert steps(found)[-1] == 8
+
+
+def test_a_zero_that_is_not_zero_is_asked_for(folder):
+    force = force_at(0.025 * TIME) + 0.1
+    assert "--set force_offset=0.1" in said(plain(folder, force=force))
+    assert steps(plain(folder, force=force, force_offset=0.1))[-1] == 8
+
+
+@pytest.mark.parametrize(("factor", "told"), [(0.1, "(10)"), (0.01, "(100)"), (1.0 / 25.4, "(25.4)")])
+def test_a_sheet_that_moves_a_tenth_of_its_machine_is_refused(folder, factor, told):
+    force = force_at(0.025 * TIME)
+    rows = [f"{t:.5f},{HEIGHT * 0.025 * t / factor:.5f},{f:.5f}" for t, f in zip(TIME, force, strict=True)]
+    found = seen(folder, "Time (s),Displacement (mm),Force (N)", rows)
+    assert found.sheet is None and told in said(found) and "--set crosshead=false" in said(found)
+    assert inspect(folder, {**GIVEN, "crosshead": False}).sheet is not None
+
+
+def test_of_several_loadings_the_last_is_used_or_that_which_is_named(folder):
+    sizes = (*SIZES[::2], *SIZES[-3::-2], *SIZES[2::2])
+    found = plain(folder, np.linspace(0.0, len(sizes) - 1.0, 121), sizes=sizes)
+    assert min(steps(found, sizes)) > 8
+    assert "the sheet is pulled 2 times" in said(found)
+    assert max(steps(plain(folder, np.linspace(0.0, 12.0, 121), sizes=sizes, loading=1), sizes)) == 4
+    assert "pulled 2 times" in said(plain(folder, np.linspace(0.0, 12.0, 121), sizes=sizes, loading=3))
+
+
+#: Header of a table, and what it says of a sample: its number, time [s], crosshead [mm] and force [N].
+TABLES = {
+    "wavematrix": (
+        '"Gesamtzeit (s)";"Gesamtzyklen";"Position des Aktuators(X:Position) (mm)";"Last(X:Kraft) (kN)";',
+        lambda k, t, d, f: f"{t:.2f};1;{d - 24.64:.6f};{f / 1e3:.9f};".replace(".", ","),
+    ),
+    "univert": (
+        "SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N",
+        lambda k, t, d, f: f"Ramp,1-Stretch,{t:.2f},20,{d:.5f},{f:.5f}",
+    ),
+    "clock": (
+        "Time (s),Displacement (mm),Force (N)",
+        lambda k, t, d, f: (
+            f"{(23 + (t >= 3)) % 24:02d}:{(59 + (t >= 3)) % 60:02d}:{(57 + t) % 60:05.2f},{d:.5f},{f:.5f}"
+        ),
+    ),
+    "french": ("Temps [s];Traverse [mm];Effort [N]", lambda k, t, d, f: f"{t:.2f};{d:.5f};{f:.5f}"),
+    "kilograms": ("Time [s],Load [kgf]", lambda k, t, d, f: f"{t:.2f},{f / 9.80665:.7f}"),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_of_other_machines_are_read(folder, name):
+    header, row = TABLES[name]
+    elongation = 0.025 * TIME
+    rows = [row(k, t, HEIGHT * e, force_at(e)) for k, (t, e) in enumerate(zip(TIME, elongation, strict=True))]
+    found = seen(folder, header, rows)
+    assert steps(found)[-1] == 8 and not said(found)
+
+
+def test_columns_of_any_names_are_named_by_keys(folder):
+    rows = [f"{t:.2f},{force_at(0.025 * t):.5f}" for t in TIME]
+    assert "--set time_channel=NAME" in said(seen(folder, "Instant [s],Pull [N]", rows, force_file="force_disp.csv"))
+    given = {"force_file": "force_disp.csv", "time_channel": "Instant", "force_channel": "Pull"}
+    assert steps(seen(folder, "Instant [s],Pull [N]", rows, **given))[-1] == 8
+
+
+#: Times of the pictures, which no frame rate tells.
+IRREGULAR = (0.0, 0.5, 1.7, 2.1, 4.6, 5.0, 6.9, 7.2, 8.0)
+
+
+@pytest.mark.parametrize("counting", [False, True])
+def test_a_column_of_pictures_tells_when_they_were_taken(folder, counting):
+    """It names the picture of a sample, or counts pictures and stands until the next."""
+    sizes, rows = [0.025 * t for t in IRREGULAR], []
+    for t in TIME:
+        taken = [n for n, at in enumerate(IRREGULAR) if abs(at - t) < 0.01]
+        number = int(np.searchsorted(IRREGULAR, t + 0.01)) - 1 if counting else taken[0] if taken else ""
+        rows.append(f"{t:.2f},{force_at(0.025 * t):.5f},{number}")
+    found = seen(folder, "Time (s),Force (N),Image", rows, sizes)
+    assert steps(found, sizes)[-1] == 8
+
+
+def test_pictures_that_are_counted_from_one_are_those_of_frames_from_zero(folder):
+    rows = [f"Image_{k + 1:04d}_0.tiff;{k:.3f};{force_at(e):.5f}" for k, e in enumerate(SIZES)]
+    found = seen(folder, "File;TimeStamp;Force [N]", rows)
+    assert steps(found)[-1] == 8 and "picture_shift=1" in said(found)
+    found = seen(folder, "File;TimeStamp;Force [N]", rows[:-1])
+    assert found.sheet is None and "--set picture_shift=N" in said(found)
+    assert steps(seen(folder, "File;TimeStamp;Force [N]", rows[:-1], picture_shift=1, frames=[2, 4, 7]))[-1] == 7
