@@ -2,7 +2,7 @@
 
 #: Heading -> pages, from the folder of the documentation. Pages that are made from the program are among them.
 NAVIGATION = {
-    "Begin": ("tutorial",),
+    "Begin": ("tutorial", "everything"),
     "How to": (
         *("how-to/add-a-case", "how-to/use-your-own-dic-data", "how-to/several-tests", "how-to/forces"),
         *(
