@@ -1,18 +1,31 @@
-# `make` regenerates every result; `make test` checks everything. Both build .venv by themselves.
+# `make` regenerates every result; `make test` checks everything; `make help` lists the rest. All build .venv themselves.
+
 PYTHON ?= python3
 VENV := .venv
 DOCS := .venv-docs
 BIN := $(VENV)/bin
 CORES ?= 2
+# What a module system puts there is of another Python. Tests of a copy of the project name its own source instead.
+ifdef HYPERNODE_SOURCE
+export PYTHONPATH := $(HYPERNODE_SOURCE)
+else
+unexport PYTHONPATH
+endif
 
-.PHONY: all resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations endurance cluster \
+.PHONY: all help resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations endurance cluster \
     slurm wheel pythons docs doctest report bench next-test strangers clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
 
+# Every result of config/config.yaml.
 all: $(VENV)/run
 	$(RUN)
+
+# This list.
+help:
+	@awk '/^# /{doc=substr($$0,3)} /^[a-z-]+:/{split($$0,t,":"); if (doc) printf "  make %-10s %s\n", t[1], doc; doc=""} \
+	  /^$$/{doc=""}' Makefile
 
 # After a crash or a kill: unlocks, but only where no run is going on, on any machine, and finishes what is missing.
 resume: $(VENV)/run
@@ -24,6 +37,7 @@ resume: $(VENV)/run
 verdict: $(VENV)/run
 	$(BIN)/python -m hypernode verdict results
 
+# Lint, unit tests and a small run of the whole pipeline.
 test: lint unit smoke
 
 lint: $(VENV)/dev

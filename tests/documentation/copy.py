@@ -55,7 +55,8 @@ class Copy:
         # What make takes for an environment that is built.
         for mark in ("run", "dev"):
             (own / mark).touch()
-        self.variables = {**os.environ, "PYTHONPATH": str(folder / "src"), "HYPERNODE_CACHE": str(cache)}
+        self.variables = {**os.environ, "HYPERNODE_CACHE": str(cache)}
+        self.variables |= {"PYTHONPATH": str(folder / "src"), "HYPERNODE_SOURCE": str(folder / "src")}
         self.variables["PATH"] = f"{own / 'bin'}:{os.environ['PATH']}"
 
     def _make_small(self) -> None:

@@ -61,7 +61,8 @@ def require_platform(platform: str) -> None:
     Raises:
         PlatformMissing: JAX has no device of it, or lacks what it needs for it.
     """
-    if platform == "cpu":
+    asked = os.environ.get("JAX_PLATFORMS", "")
+    if platform == "cpu" and asked in ("", "cpu"):
         return
     import jax
 
@@ -70,6 +71,10 @@ def require_platform(platform: str) -> None:
     # JAX asserts, without a word, that it knows the platform at all.
     except (RuntimeError, AssertionError) as error:
         said = f" ({str(error).splitlines()[0]})" if str(error) else ""
+        if platform == "cpu":
+            raise PlatformMissing(
+                f"JAX_PLATFORMS={asked}: JAX finds no such device here{said}: unset the variable, or set it to cpu"
+            ) from None
         raise PlatformMissing(
             f"platform: {platform}: JAX finds no such device here{said}; where there is one, "
             "pip install -r requirements/gpu.txt, and elsewhere say 'platform: cpu' in the configuration"
