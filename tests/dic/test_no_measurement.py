@@ -21,13 +21,13 @@ from .pulls import HEADER, LINES, NOISE, fields, write, write_record
 BLOCK = np.s_[7:11, 4:9]
 
 
-def test_of(folder, **keys):
+def specimen_test(folder, **keys):
     return Specimen.model_validate(
         {"folder": str(folder), "width": 12, "height": 12, "thickness": 1, "frame_rate": 1, "load": "clamped_y", **keys}
     )
 
 
-test_of.__test__ = False
+specimen_test.__test__ = False
 
 
 def lost(series, k):
@@ -64,7 +64,7 @@ def test_a_picture_that_was_inserted_is_not_used_and_takes_no_time(tmp_path):
     frames = fields()
     series = read_series(write(tmp_path, [*frames[:4], frames[3], *frames[4:8]]))
     assert [frame.number for frame in series.frames] == [0, 1, 2, 3, 5, 6, 7, 8]
-    clock = frame_clock(test_of(tmp_path), series)
+    clock = frame_clock(specimen_test(tmp_path), series)
     np.testing.assert_allclose(clock.at([3, 5, 6]), [3.0, 4.0, 5.0])
     assert "4 (as 3)" in series.findings[0]
 
@@ -72,7 +72,7 @@ def test_a_picture_that_was_inserted_is_not_used_and_takes_no_time(tmp_path):
 def test_a_picture_that_the_camera_missed_keeps_the_times_of_the_others(tmp_path):
     frames = fields()
     series = read_series(write(tmp_path, [*frames[:4], frames[3], *frames[5:]]))
-    np.testing.assert_allclose(frame_clock(test_of(tmp_path), series).at([3, 5, 6]), [3.0, 5.0, 6.0])
+    np.testing.assert_allclose(frame_clock(specimen_test(tmp_path), series).at([3, 5, 6]), [3.0, 5.0, 6.0])
 
 
 def test_whether_a_camera_stood_still_is_asked_where_the_motion_does_not_tell(tmp_path):
@@ -105,8 +105,8 @@ def test_increments_are_refused_by_their_force_and_added_up_on_request(tmp_path)
     steps = [frames[0], *(b - a for a, b in pairwise(frames))]
     folder = write_record(write(tmp_path, steps))
     with pytest.raises(DicError, match="say increments: true"):
-        import_load_case(test_of(folder), test_of(folder))
-    case = import_load_case(test_of(folder, increments=True), test_of(folder, increments=True))
+        import_load_case(specimen_test(folder), specimen_test(folder))
+    case = import_load_case(specimen_test(folder, increments=True), specimen_test(folder, increments=True))
     assert case.stretch[-1] == pytest.approx(1.16, abs=0.002)
     assert case.force[1, 1][-1] == pytest.approx(4.0)
 
@@ -117,7 +117,7 @@ def test_displacements_are_no_increments_whatever_the_law(tmp_path, law):
     time = np.arange(0.0, 8.05, 0.1)
     rows = [f"{t:.1f},{law(0.02 * t):.6f}" for t in time]
     (folder / "force_disp.csv").write_text("\n".join(["Time,Force", "(s),(N)", *rows]) + "\n")
-    assert len(import_load_case(test_of(folder), test_of(folder)).numbers) > 1
+    assert len(import_load_case(specimen_test(folder), specimen_test(folder)).numbers) > 1
 
 
 @pytest.mark.parametrize(
