@@ -27,9 +27,6 @@ def specimen_test(folder, **keys):
     )
 
 
-specimen_test.__test__ = False
-
-
 def lost(series, k):
     return np.isnan(series.frames[k].displacement).any(axis=2)
 
