@@ -12,7 +12,7 @@ else
 unexport PYTHONPATH
 endif
 
-.PHONY: all help resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations endurance cluster \
+.PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations endurance cluster \
     slurm wheel pythons docs doctest report bench next-test strangers clean
 
 # On a cluster: make PROFILE=profiles/slurm
@@ -26,6 +26,11 @@ all: $(VENV)/run
 help:
 	@awk '/^# /{doc=substr($$0,3)} /^[a-z-]+:/{split($$0,t,":"); if (doc) printf "  make %-10s %s\n", t[1], doc; doc=""} \
 	  /^$$/{doc=""}' Makefile
+
+# One small sheet with its figure and its page, into results/: two minutes.
+example: $(VENV)/run
+	$(RUN) --configfile config/example.yaml
+	@echo 'look at results/figures/example.png and results/example/hypernode/explorer.html'
 
 # After a crash or a kill: unlocks, but only where no run is going on, on any machine, and finishes what is missing.
 resume: $(VENV)/run
