@@ -63,7 +63,8 @@ def test_folders_that_are_steps_of_one_test_are_said(tmp_path):
     with pytest.raises(DicError, match="implied_reference: true"):
         read_series(flat)
     series = read_series(flat, declared=Declared(implied_reference=True))
-    assert [frame.number for frame in series.frames] == [9, 10, 20, 30]
+    # As long before the first step as the others are apart: a step earlier, and its force is that of the sheet at rest.
+    assert [frame.number for frame in series.frames] == [0, 10, 20, 30]
     assert not series.frames[0].displacement.any()
 
 

@@ -154,9 +154,9 @@ def _inner(folders: list[Path]) -> str:
     return (
         f"with the same files in each, {shown(sorted(names[0]))}, they look like the steps of one test. Copy their "
         f"tables into one folder, {ordered[0].name}/{frame.name} as {step} and so on, and write their forces into one "
-        "record, force_disp.csv, with a line a step and the "
-        "columns Time and Force. Where no table shows the sheet at rest, say implied_reference: true (--set "
-        "implied_reference=true)"
+        "record, force_disp.csv: the columns Time and Force, or Force x and Force y, a line of units, a line for the "
+        "sheet at rest, a line a step. Say frame_rate, steps in a second of its Time (--frame-rate). Where no table "
+        "shows the sheet at rest, say implied_reference: true (--set implied_reference=true)"
     )
 
 

@@ -1,6 +1,6 @@
 """Any vendor's folder of displacement files, as a series on one grid."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,7 +59,7 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
         available, read = backwards(available, read)
     first = read(available[0])
     implied = not dialect.reference and not is_compared_with_itself(first)
-    reference = available[0] - implied
+    reference = _before(available) if implied else available[0]
     wanted = _wanted(folder, numbers, available, reference)
     _tell(folder, dialect, first, reference, implied)
     at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
@@ -131,6 +131,11 @@ def _wanted(folder: Path, numbers, available: list[int], reference: int) -> list
         near = min(available, key=lambda n: abs(n - absent[0]))
         raise DicError(f"{folder}: frame {absent[0]} is not there; the nearest is {near}")
     return wanted
+
+
+def _before(available: Sequence[int]) -> int:
+    """Number of a sheet at rest that is in no file: as far before the first as the nearest two are apart."""
+    return available[0] - int(min(np.diff(available), default=1))
 
 
 def _tell(folder: Path, dialect: Dialect, first: Points, reference: int, implied: bool) -> None:
