@@ -58,7 +58,7 @@ class Trial:
         misfits: root mean square over the uncertainty, by name.
         score: None where a search ended without an equilibrium.
         ending: how its descent ended.
-        order: of when it was tried among all others.
+        order: of when it was tried among all others; rows are renumbered, so that no file depends on it.
     """
 
     move: str

@@ -202,3 +202,10 @@ def test_networks_train_on_the_cpu_unless_the_configuration_names_another_platfo
     assert check_config(BASE | {"platform": "cuda"}).platform == "cuda"
     with pytest.raises(ConfigError, match="platform"):
         check_config(BASE | {"platform": "gpu"})
+
+
+def test_a_camera_does_not_measure_at_the_nodes_of_finite_elements():
+    seen = {**BASE["cases"]["a"], "camera": {"cells": [20, 20]}}
+    check_config({**BASE, "cases": {"a": seen}})
+    with pytest.raises(ConfigError, match="leave out mesh or camera"):
+        check_config({**BASE, "cases": {"a": {**seen, "mesh": "measured_grid"}}})

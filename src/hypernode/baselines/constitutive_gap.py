@@ -13,9 +13,10 @@ from jaxtyping import Float
 
 from hypernode.baselines.equilibrium_gap import SMALLEST_MODULUS, homogeneous_modulus, unit_stress
 from hypernode.data.loading import Loading
+from hypernode.fem.equilibrium_gap import balance_energy
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
-from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix, virtual_fields
+from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix
 
 #: It ends where the moduli change by less than this, relative, or after so many alternations.
 TOLERANCE, ITERATIONS = 1e-3, 400
@@ -28,10 +29,7 @@ def equilibrated_stress(mesh: Mesh, loading: Loading, P, moduli):
     for case in range(loading.load_case.max() + 1):
         steps = np.flatnonzero(loading.load_case == case)
         for i in range(2):
-            T, edge = virtual_fields(mesh, i, loading.constrained[case], loading.known[case])
-            energy = (T.T @ K @ T).tocsc()
-            if not loading.constrained[case][:, i].any():
-                energy[0, 0] += energy.diagonal().mean()
+            T, energy, edge = balance_energy(mesh, K, i, loading.constrained[case], loading.known[case])
             missing = -(T.T @ sum(D[J] @ P[i, J][steps].T for J in range(2)))
             if edge is not None:
                 missing[-1] += loading.resultant[steps, i]

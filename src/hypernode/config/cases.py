@@ -74,6 +74,10 @@ class Case(Sheet):
                 raise ValueError(f"a synthetic case also needs {', '.join(missing)} (or name a specimen)")
             if self.camera and self.hole:
                 raise ValueError("a camera grid cannot be laid over a sheet with a hole")
+            if self.camera and self.mesh == "measured_grid" and "mesh" in self.model_fields_set:
+                raise ValueError(
+                    "a camera does not measure at the nodes of the finite elements: leave out mesh or camera"
+                )
             if self.photographed:
                 _refuse_few_points(self.camera, self.size)
         return self

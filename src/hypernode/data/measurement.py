@@ -71,6 +71,13 @@ def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
 
 
+def nodal_forces(measurement: xr.Dataset) -> Float[np.ndarray, "step node 2"] | None:
+    """Outward force on every node over the thickness, or None where none is known, as of every load cell."""
+    if "nodal_force" not in measurement:
+        return None
+    return measurement["nodal_force"].values / float(measurement.attrs["thickness"])
+
+
 def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
     """Thickness of every cell over the thickness by which forces are divided."""
     return measurement["relative_thickness"].values

@@ -15,8 +15,14 @@ from hypernode.fem.mesh import EDGES, Mesh
 from hypernode.fem.nodal_forces import nodal_force_matrices, stiffness_matrix, virtual_fields
 
 
-def _test_energy(mesh: Mesh, K, component: int, constrained, measured):
-    """(test functions T, their energy matrix, the tied edge) for one displacement component."""
+def balance_energy(mesh: Mesh, K, component: int, constrained, measured):
+    """(test functions T, their energy matrix, the tied edge) for one displacement component.
+
+    Args:
+        K: stiffness matrix whose energy measures the test functions.
+        component: of the displacement, 0 or 1.
+        constrained, measured: as in :meth:`EquilibriumGap.build`.
+    """
     T, edge = virtual_fields(mesh, component, constrained, measured)
     energy = (T.T @ K @ T).tocsc()
     # A component that no edge holds can translate freely: its residual is balanced by construction,
@@ -38,7 +44,7 @@ def relative_gap(mesh: Mesh, constrained, measured, P, resultant, scale) -> Floa
     D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh)
     total = np.zeros(len(P))
     for component in range(2):
-        T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+        T, energy, edge = balance_energy(mesh, K, component, constrained, measured)
         R = T.T @ sum(D[J] @ P[:, :, component, J].T for J in range(2))
         if edge is not None:
             R[-1] -= resultant[:, component]
@@ -110,7 +116,7 @@ class EquilibriumGap:
         D, K = nodal_force_matrices(mesh), stiffness_matrix(mesh, variance)
         work, loads, energies = [], [], []
         for component in range(2):
-            T, energy, edge = _test_energy(mesh, K, component, constrained, measured)
+            T, energy, edge = balance_energy(mesh, K, component, constrained, measured)
             work.append(tuple(BCOO.from_scipy_sparse((T.T @ D[J]).astype(np.float32)) for J in range(2)))
             energies.append(BlockCholesky.of(energy, _lines(mesh, T, edge)))
             unit = np.zeros(T.shape[1])

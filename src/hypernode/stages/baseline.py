@@ -15,7 +15,7 @@ from hypernode.baselines.virtual_fields import virtual_fields_moduli
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of
+from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, nodal_forces
 from hypernode.material.basis_file import basis_content, basis_field
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
@@ -33,10 +33,7 @@ def moduli_of(method: Method, measurement: xr.Dataset, F) -> tuple[np.ndarray, d
         return moduli, {"alternations": alternations}
     u = filled(mesh, measured_displacement(measurement))
     if name == "reciprocity_gap":
-        force = (
-            measurement["nodal_force"].values / measurement.attrs["thickness"] if "nodal_force" in measurement else None
-        )
-        return reciprocity_gap_moduli(mesh, loading, F, u, force), {}
+        return reciprocity_gap_moduli(mesh, loading, F, u, nodal_forces(measurement)), {}
     if name in ("virtual_fields", "updating") and method.regions == "one":
         region, found = np.zeros(len(mesh.cells), int), {}
     elif name in ("virtual_fields", "updating") and method.regions == "cells":

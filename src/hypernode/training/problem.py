@@ -12,7 +12,7 @@ import xarray as xr
 
 from hypernode.config.methods import Frequencies, Method
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.data.measurement import field_gradient, mesh_of, nodal_forces
 from hypernode.fem.equilibrium_gap import EquilibriumGap
 from hypernode.fem.mesh import Mesh
 from hypernode.material.basis_file import basis_field
@@ -122,10 +122,7 @@ class InverseProblem:
     @property
     def nodal_force(self) -> np.ndarray | None:
         """Outward force on each node of the outline over the thickness (step, node, 2), or None where none is known."""
-        measurement = self.inputs["measurement"]
-        if "nodal_force" not in measurement:
-            return None
-        return measurement["nodal_force"].values / float(measurement.attrs["thickness"])
+        return nodal_forces(self.inputs["measurement"])
 
     @property
     def _architecture(self):

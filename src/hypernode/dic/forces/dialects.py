@@ -178,32 +178,21 @@ DIALECTS = (
         displacement={PULL: ("displacement",)},
         preamble=0,
     ),
-    Dialect(
-        name="usual_names_brackets",
-        program="a table of usual names with units in brackets",
-        time=TIME_NAMES,
-        force={PULL: FORCE_NAMES},
-        displacement={PULL: WAY_NAMES},
-        units="brackets",
-        preamble=20,
-    ),
-    Dialect(
-        name="usual_names_suffix",
-        program="a table of usual names with units behind a line",
-        time=TIME_NAMES,
-        force={PULL: FORCE_NAMES},
-        displacement={PULL: WAY_NAMES},
-        units="suffix",
-        preamble=20,
-    ),
-    Dialect(
-        name="usual_names",
-        program="a table of usual names with a line of units",
-        time=TIME_NAMES,
-        force={PULL: FORCE_NAMES},
-        displacement={PULL: WAY_NAMES},
-        units="row",
-        preamble=20,
+    *(
+        Dialect(
+            name=name,
+            program=f"a table of usual names with {written}",
+            time=TIME_NAMES,
+            force={PULL: FORCE_NAMES},
+            displacement={PULL: WAY_NAMES},
+            units=units,
+            preamble=20,
+        )
+        for name, units, written in (
+            ("usual_names_brackets", "brackets", "units in brackets"),
+            ("usual_names_suffix", "suffix", "units behind a line"),
+            ("usual_names", "row", "a line of units"),
+        )
     ),
 )
 

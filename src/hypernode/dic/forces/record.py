@@ -66,7 +66,6 @@ def read_force_record(
         channel: name of the column with the force, or that along each axis, where it is not the dialect's own.
         time: name of the column with the time, where it is not the dialect's own.
         set_name, cycle: of the rows that count, where a file holds several cycles.
-        time: name of the column with the time, where it is not the dialect's own.
 
     Raises:
         DicError: the file, its units or a line cannot be used, or time does not increase.
