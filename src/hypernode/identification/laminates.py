@@ -1,0 +1,100 @@
+"""Cells of two materials in layers, with the derivatives that a descent of interfaces needs.
+
+The sides of a plane of normal N, of which the first has the share c, deform as
+
+F_A = F + (1 - c) a x N,   F_B = F - c a x N,
+
+with the jump a at which tractions agree, (P_A - P_B) N = 0; the stress is c P_A + (1 - c) P_B (Kabel, Merkert and
+Schneider, Use of composite voxels in FFT-based homogenization, Computer Methods in Applied Mechanics and Engineering
+294, 2015). How the jump follows from everything else is eliminated by the implicit function theorem.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.identification.points import Points
+
+#: Newton steps for the jump at most, and the change of it that ends them.
+STEPS, SMALL = 12, 1e-10
+#: Largest change of the jump in a step, so that no side is turned inside out on the way.
+LARGEST = 0.2
+
+
+class LaminateStress(NamedTuple):
+    """Stress of layers [i, J, point] and its derivatives; the last three only where they were asked for."""
+
+    P: Float[np.ndarray, "2 2 point"]
+    by_F: Float[np.ndarray, "2 2 2 2 point"]
+    by_first: Float[np.ndarray, "2 2 parameter point"] | None
+    by_second: Float[np.ndarray, "2 2 parameter point"] | None
+    by_share: Float[np.ndarray, "2 2 point"] | None
+
+
+def laminate(points: Points, F, first, second, share, normal, with_parameters: bool) -> LaminateStress:
+    """The stress of layers under the mean deformation gradient F.
+
+    Args:
+        F: [i, J, point].
+        first, second: parameters of both sides (parameter, point).
+        share: of the first side (point,).
+        normal: of the plane (2, point).
+        with_parameters: whether derivatives by parameters and share are wanted.
+    """
+    c, N, a = share, normal, np.zeros_like(normal)
+
+    def sides(a):
+        across = a[:, None] * N[None]
+        return F + (1.0 - c) * across, F - c * across
+
+    for _ in range(STEPS):
+        F_A, F_B = sides(a)
+        (P_A, A), (P_B, B) = points.stress(F_A, first), points.stress(F_B, second)
+        gap = np.einsum("iJn,Jn->in", P_A - P_B, N)
+        change = -_solved(_across(c, A, B, N), gap)
+        size = np.sqrt((change**2).sum(axis=0))
+        if not (size > SMALL).any():
+            break
+        a = a + change * np.minimum(1.0, LARGEST / np.maximum(size, LARGEST))
+    F_A, F_B = sides(a)
+    if with_parameters:
+        P_A, A, D_A = points.all(F_A, first)
+        P_B, B, D_B = points.all(F_B, second)
+    else:
+        (P_A, A), (P_B, B) = points.stress(F_A, first), points.stress(F_B, second)
+    stiffness = _across(c, A, B, N)
+    mean, difference = c * A + (1.0 - c) * B, A - B
+    #: How the mean stress answers to the jump [i, J, k], and how the gap of tractions answers to F [i, k, L].
+    to_jump = c * (1.0 - c) * np.einsum("iJkLn,Ln->iJkn", difference, N)
+    of_F = np.einsum("iJkLn,Jn->ikLn", difference, N)
+
+    def through_jump(gap_by):
+        """What a change of the gap of tractions makes of the stress, as the jump closes it again."""
+        shape = gap_by.shape
+        jump = -_solved(stiffness, gap_by.reshape(2, -1, shape[-1]))
+        return np.einsum("iJkn,kmn->iJmn", to_jump, jump).reshape(2, 2, *shape[1:])
+
+    P = c * P_A + (1.0 - c) * P_B
+    by_F = mean + through_jump(of_F)
+    if not with_parameters:
+        return LaminateStress(P, by_F, None, None, None)
+    by_first = c * D_A + through_jump(np.einsum("iJpn,Jn->ipn", D_A, N))
+    by_second = (1.0 - c) * D_B - through_jump(np.einsum("iJpn,Jn->ipn", D_B, N))
+    across = a[:, None] * N[None]
+    gap_by_share = -np.einsum("ikLn,kLn->in", of_F, across)
+    by_share = P_A - P_B - np.einsum("iJkLn,kLn->iJn", mean, across)
+    by_share = by_share + through_jump(gap_by_share[:, None])[:, :, 0]
+    return LaminateStress(P, by_F, by_first, by_second, by_share)
+
+
+def _across(c, A, B, N):
+    """Derivative [i, k] of the gap of tractions by the jump."""
+    return np.einsum("iJkLn,Jn,Ln->ikn", (1.0 - c) * A + c * B, N, N)
+
+
+def _solved(matrix, right):
+    """x of matrix x = right at every point, two by two; right (2, ..., point)."""
+    (a, b), (c, d) = matrix
+    determinant = a * d - b * c
+    return np.stack([(d * right[0] - b * right[1]) / determinant, (a * right[1] - c * right[0]) / determinant])

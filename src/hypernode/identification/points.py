@@ -1,0 +1,80 @@
+"""Stress of a law at many points, and its derivatives, compiled once for blocks of one size."""
+
+import functools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.mechanics.point_law import PointLaw
+
+#: Points in a compiled call: more than a core works through without waiting, and few enough to stay in its cache.
+BLOCK = 2048
+
+
+class PointStress(NamedTuple):
+    """What a law answers at points.
+
+    Attributes:
+        P: first Piola-Kirchhoff stress [i, J, point].
+        by_F: its derivative by the deformation gradient [i, J, k, L, point].
+        by_params: its derivative by the parameters [i, J, parameter, point].
+    """
+
+    P: Float[np.ndarray, "2 2 point"]
+    by_F: Float[np.ndarray, "2 2 2 2 point"]
+    by_params: Float[np.ndarray, "2 2 parameter point"]
+
+
+@functools.cache
+def _compiled(law: PointLaw):
+    """(stress and derivative by F, derivative by parameters) of one block."""
+
+    def tangent(F, params):
+        units = jnp.eye(4).reshape(4, 2, 2, 1)
+        P, along = jax.linearize(lambda F: law.stress(F, params), F)
+        return P, jax.vmap(lambda unit: along(jnp.broadcast_to(unit, F.shape)))(units)
+
+    def by_params(F, params):
+        units = jnp.eye(len(params))[:, :, None]
+        _, along = jax.linearize(lambda params: law.stress(F, params), params)
+        return jax.vmap(lambda unit: along(jnp.broadcast_to(unit, params.shape)))(units)
+
+    return jax.jit(tangent), jax.jit(by_params)
+
+
+class Points:
+    """A law at points.
+
+    Args:
+        law: of which no two that are equal are compiled.
+    """
+
+    def __init__(self, law: PointLaw):
+        self.law = law
+        self._tangent, self._by_params = _compiled(law)
+
+    def stress(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
+        """(P, its derivative by F) of :class:`PointStress`."""
+        P, by_F = self._blocks(self._tangent, F, params)
+        return P, np.moveaxis(by_F, 0, 2).reshape(2, 2, 2, 2, -1)
+
+    def all(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]) -> PointStress:
+        """Stress with both derivatives."""
+        (by_params,) = self._blocks(lambda *given: (self._by_params(*given),), F, params)
+        return PointStress(*self.stress(F, params), np.moveaxis(by_params, 0, 2))
+
+    @staticmethod
+    def _blocks(function, F, params):
+        """Results of a compiled function whose last axis are points, block by block."""
+        count = F.shape[-1]
+        whole = -(-max(count, 1) // BLOCK) * BLOCK
+        # What fills the last block is the last point again.
+        index = np.minimum(np.arange(whole), count - 1)
+        found = [
+            function(F[..., index[first : first + BLOCK]], params[..., index[first : first + BLOCK]])
+            for first in range(0, whole, BLOCK)
+        ]
+        return [np.concatenate([np.asarray(each) for each in part], axis=-1)[..., :count] for part in zip(*found)]
