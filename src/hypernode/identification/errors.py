@@ -5,19 +5,31 @@ Residuals are displacements over their uncertainty, then forces, of one step aft
 C = I + A A^T + E E^T,
 
 with A the answer of a step to independent errors of its prescribed edges, one block a step, and E the errors of the
-forces by gain and zero of the load cells. Woodbury's identity makes of both a few directions in which residuals count
-for less.
+forces by gain and zero of the load cells. Woodbury's identity makes of the inverse small systems, one an edge error.
 """
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 from jaxtyping import Float
 
-#: Variance that errors of edges add to a combination of residuals, over its own, below which it is left out.
-NEGLIGIBLE = 1e-2
+
+class EdgeAnswers(NamedTuple):
+    """How the residuals of a step answer to independent errors of its prescribed edges.
+
+    Attributes:
+        u: displacements that are observed (displacement, error).
+        f: forces over their uncertainty (force, error).
+        gram: u^T u.
+    """
+
+    u: Float[np.ndarray, "displacement error"]
+    f: Float[np.ndarray, "force error"]
+    gram: Float[np.ndarray, "error error"]
 
 
 @dataclass(frozen=True)
@@ -25,69 +37,76 @@ class SharedErrors:
     """Covariance of the residuals of all steps.
 
     Attributes:
-        directions: left singular vectors of A by step (residual, direction).
-        variances: squared singular values by step (direction,).
-        loads: E by step (residual, error).
+        answers: to edges, by step.
+        loads: errors of load cells by step (force, error).
+        sigma: by which residuals of displacements are divided.
     """
 
-    directions: Sequence[Float[np.ndarray, "residual direction"]]
-    variances: Sequence[Float[np.ndarray, " direction"]]
-    loads: Sequence[Float[np.ndarray, "residual error"]]
+    answers: Sequence[EdgeAnswers]
+    loads: Sequence[Float[np.ndarray, "force error"]]
+    sigma: float
 
-    @classmethod
-    def of(cls, answers: Sequence[np.ndarray], loads: Sequence[np.ndarray]) -> "SharedErrors":
-        """From A and E by step."""
-        directions, variances = [], []
-        for A in answers:
-            variance, V = scipy.linalg.eigh(A.T @ A)
-            told = variance > NEGLIGIBLE
-            directions.append(A @ (V[:, told] / np.sqrt(variance[told])))
-            variances.append(variance[told])
-        return cls(directions, variances, loads)
+    @functools.cached_property
+    def _factors(self):
+        """Cholesky factors of I + A^T A, by step."""
+        grams = (a.gram / self.sigma**2 + a.f.T @ a.f for a in self.answers)
+        return [scipy.linalg.cho_factor(np.eye(len(g)) + g, lower=True) for g in grams]
 
-    def _unshared(self, step: int, residual):
-        """C^-1 without E times residuals of a step, one vector or columns."""
-        U, variance = self.directions[step], self.variances[step]
-        return residual - U @ ((variance / (1.0 + variance)) * (U.T @ residual).T).T
+    def _by_edges(self, step: int, residual):
+        """A^T residual, of one vector or of columns."""
+        answers = self.answers[step]
+        return answers.u.T @ residual[: len(answers.u)] / self.sigma + answers.f.T @ residual[len(answers.u) :]
 
-    @property
-    def _between(self):
-        """I + E^T C^-1 E of edges alone."""
-        each = [E.T @ self._unshared(k, E) for k, E in enumerate(self.loads)]
-        return np.eye(self.loads[0].shape[1]) + sum(each)
+    @functools.cached_property
+    def _of_loads(self):
+        """(A^T E by step, L^-1 of these, I + E^T C^-1 E of edges alone)."""
+        through = [a.f.T @ E for a, E in zip(self.answers, self.loads, strict=True)]
+        solved = [self._half(k, each) for k, each in enumerate(through)]
+        between = sum(E.T @ E - half.T @ half for E, half in zip(self.loads, solved, strict=True))
+        return solved, np.eye(self.loads[0].shape[1]) + between
+
+    def _half(self, step: int, right):
+        """L^-1 right."""
+        return scipy.linalg.solve_triangular(self._factors[step][0], right, lower=True)
 
     @property
     def log_determinant(self) -> float:
         """Of C."""
-        edges = sum(float(np.log1p(variance).sum()) for variance in self.variances)
-        return edges + float(np.linalg.slogdet(self._between)[1])
+        edges = sum(2.0 * float(np.log(np.diag(factor)).sum()) for factor, _ in self._factors)
+        return edges + float(np.linalg.slogdet(self._of_loads[1])[1])
 
     def squared(self, residuals: Sequence[np.ndarray]) -> float:
         """r^T C^-1 r."""
         total, through = 0.0, 0.0
         for k, r in enumerate(residuals):
-            unshared = self._unshared(k, r)
-            total += float(r @ unshared)
-            through = through + self.loads[k].T @ unshared
-        return total - float(through @ np.linalg.solve(self._between, through))
+            half = self._half(k, self._by_edges(k, r))
+            total += float(r @ r - half @ half)
+            through = through + self.loads[k].T @ r[len(self.answers[k].u) :] - self._of_loads[0][k].T @ half
+        return total - float(through @ np.linalg.solve(self._of_loads[1], through))
 
     def normal(self, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray]):
         """(J^T C^-1 J, J^T C^-1 r)."""
         curvature = gradient = by_loads = through = 0.0
         for k, (J, r) in enumerate(zip(jacobians, residuals, strict=True)):
-            U, variance = self.directions[k], self.variances[k]
-            share = variance / (1.0 + variance)
-            of_J, of_r = U.T @ J, U.T @ r
-            curvature = curvature + J.T @ J - of_J.T @ (share[:, None] * of_J)
-            gradient = gradient + J.T @ r - of_J.T @ (share * of_r)
-            unshared = self._unshared(k, self.loads[k])
-            by_loads, through = by_loads + J.T @ unshared, through + r @ unshared
-        solved = np.linalg.solve(self._between, np.concatenate([by_loads.T, through[:, None]], axis=1))
+            half, half_r = self._half(k, self._by_edges(k, J)), self._half(k, self._by_edges(k, r))
+            curvature = curvature + J.T @ J - half.T @ half
+            gradient = gradient + J.T @ r - half.T @ half_r
+            first, E, of_loads = len(self.answers[k].u), self.loads[k], self._of_loads[0][k]
+            by_loads = by_loads + J[first:].T @ E - half.T @ of_loads
+            through = through + r[first:] @ E - half_r @ of_loads
+        solved = np.linalg.solve(self._of_loads[1], np.concatenate([by_loads.T, through[:, None]], axis=1))
         return curvature - by_loads @ solved[:, :-1], gradient - by_loads @ solved[:, -1]
 
     def white(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Residuals as independent ones of unit variance, but for what load cells share."""
+        """Residuals of each step as independent ones of unit variance; what load cells share stays in them."""
         found = []
-        for U, variance, r in zip(self.directions, self.variances, residuals, strict=True):
-            found.append(r - U @ ((1.0 - 1.0 / np.sqrt(1.0 + variance)) * (U.T @ r)))
+        for k, r in enumerate(residuals):
+            answers = self.answers[k]
+            gram = answers.gram / self.sigma**2 + answers.f.T @ answers.f
+            variance, V = np.linalg.eigh(gram)
+            # (I + A A^T)^(-1/2) = I - A V (1 - (1 + s^2)^(-1/2)) / s^2 V^T A^T.
+            safe = np.maximum(variance, np.finfo(float).tiny)
+            share = np.where(variance > 1e-12, (1.0 - 1.0 / np.sqrt(1.0 + safe)) / safe, 0.5)
+            taken = V @ (share * (V.T @ self._by_edges(k, r)))
+            found.append(r - np.concatenate([answers.u @ taken / self.sigma, answers.f @ taken]))
         return found

@@ -5,7 +5,7 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.objective import NormalEquations, Objective, Step
@@ -61,6 +61,11 @@ class Estimate:
     def material_count(self) -> int:
         """Of how many materials the field is made; none are counted where every cell has its own."""
         return 0 if self.phases is None else len(self.phases.materials)
+
+    @property
+    def labels(self) -> Int[np.ndarray, " cell"]:
+        """The material of every cell, where there are few."""
+        return self.phases.labels
 
     @property
     def layered(self) -> bool:

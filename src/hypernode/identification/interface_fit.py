@@ -1,4 +1,8 @@
-"""Materials and lines that explain a test best: damped Gauss-Newton steps of a few numbers."""
+"""Materials and lines that explain a test best: damped Gauss-Newton steps of a few numbers.
+
+The numbers are the parameters of all materials, the distances of nodes near the lines, and, where it is sought, the side
+of the window through which a camera sees. Far from the answer what is left of the displacements weighs as their noise.
+"""
 
 import dataclasses
 
@@ -6,218 +10,230 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.fem.factors import factorise
-from hypernode.identification.errors import SharedErrors
+from hypernode.identification.interface_noise import Left, left_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.observations import Observations, seen_points
 from hypernode.identification.projected_newton import projected_steps
-from hypernode.identification.resultants import EdgeForce, shared_errors
-from hypernode.identification.settings import Strategy
-from hypernode.identification.sheet import Sheet
-from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.identification.seen_test import SeenTest
+from hypernode.verdict import Ending
+
+#: Distance from a line, in sides of cells, within which it may change: corners of the cells that it cuts.
+REACH = 1.3
+#: Steps before which distances are measured anew, so that their slope stays one, and how many follow at least.
+MEASURED, SETTLED = (2, 5), 6
+#: What a step gains that ends a descent, and the same over the cost.
+GAIN, RELATIVE_GAIN = 0.5, 1e-3
+#: Inverse variance of the window without data: none.
+UNKNOWN = 1e-6
 
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
+    """Where a descent ended.
+
+    Attributes:
+        field: materials and lines.
+        states: equilibrium of every step.
+        white: residuals over the believed noise, free of what edges share, by step.
+        left: what displacements leave.
+        misfit, forces: root mean squares of the residuals of displacements and forces.
+        force_squared: squared misfit of the forces, whose errors are shared.
+        cost, prior: half the squared residuals with what numbers cost without data, and the latter.
+        determined: how many numbers the data determine, with displacements as uncertain as what is left of them.
+        window, window_error: side of the window in points, its standard deviation, 0 where it is not sought.
+        ending: how the descent ended.
+        history: misfit before every step.
+    """
+
     field: Interfaces
     states: list
-    sigma: float
+    white: list[np.ndarray]
+    left: Left
     misfit: float
     forces: float
+    force_squared: float
     cost: float
     prior: float
     determined: float
-    ending: str
-    history: list
-    residuals: list
+    window: float
+    window_error: float
+    ending: Ending
+    history: list[float]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Numbers:
+    """The numbers of a field, their prior and their bounds.
+
+    Attributes:
+        y: values.
+        near: nodes of each line's distances.
+        held, centre: inverse covariance and mean without data.
+        lowest: least values.
+        floor: added to the curvature, for what data do not tell.
+    """
+
+    y: Float[np.ndarray, " number"]
+    near: list
+    held: scipy.sparse.csr_matrix
+    centre: Float[np.ndarray, " number"]
+    lowest: Float[np.ndarray, " number"]
+    floor: Float[np.ndarray, " number"]
+
+    def prior(self, y) -> float:
+        """What numbers cost without data."""
+        return 0.5 * float((y - self.centre) @ (self.held @ (y - self.centre)))
 
 
 class InterfaceFit:
-    """Descents of materials and lines on one test."""
+    """Descents on one test.
 
-    def __init__(self, observations: Observations, law: ConvexBasis, sheet: Sheet, forces: list[EdgeForce], strategy: Strategy, level: float, sigma: float, steps=None, window=0.0, find_window=False):
-        self.observations, self.law, self.sheet, self.strategy = observations, law, sheet, strategy
-        steps = range(len(observations.boundaries)) if steps is None else steps
-        self.steps = list(steps)
-        self.boundaries = [observations.boundaries[k] for k in steps]
-        self.find_window, self.step = find_window, float(np.median(np.diff(observations.grid.lines[0])))
-        self.set_window(window)
-        self.forces = [[f for f in forces if f.step == k] for k in steps]
-        self.sigma = sigma
-        flat = [f for each in self.forces for f in each]
-        E = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
-        self._loads = np.split(E, np.cumsum([len(each) for each in self.forces])[:-1])
-        self._centre = np.zeros(len(law.names))
-        self._centre[0] = level
-        self._answers = None
+    Args:
+        find_window: whether the side of the window is a number.
+        move_lines: whether distances are.
+    """
 
-    def matrices(self, window):
-        """Displacements observed through a window (in grid steps), by step, over their relative errors."""
-        seen = seen_points(self.observations.refinement, window * self.step, "average")
-        return [scipy.sparse.diags(1.0 / b.relative) @ seen[b.observed] for b in self.boundaries]
+    def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True):
+        self.test, self._finds, self._moves = test, find_window, move_lines
+        self._strategy, self._law = test.problem.strategy, test.problem.basis
+        self._window_error = 0.0
 
-    def set_window(self, window):
-        self.window = window
-        self.observe = self.matrices(window)
+    def near(self, field: Interfaces) -> list:
+        """Nodes of which each line's distance is a number."""
+        return field.near(REACH) if self._moves else [np.zeros(0, int) for _ in field.distances]
 
-    def by_window(self):
-        """Derivative of what is observed by the window (matrix by step)."""
-        h = 0.05
-        more, less = self.matrices(self.window + h), self.matrices(max(self.window - h, 0.0))
-        return [(a - b) / (h + min(h, self.window)) for a, b in zip(more, less)]
-
-    def states(self, field: Interfaces, guesses):
-        of, _ = field.cells()
-        found = []
-        for guess, boundary in zip(guesses, self.boundaries, strict=True):
-            reached = self.sheet.equilibrium(guess, boundary.free, of, self.strategy.newton_tolerance)
-            if reached is None:
-                return None
-            found.append(reached)
-        return found
-
-    def residuals(self, states, sigma):
-        found = []
-        for (u, force, _), boundary, observe, forces in zip(states, self.boundaries, self.observe, self.forces, strict=True):
-            f = [(f.direction @ force - f.value) / f.sigma for f in forces]
-            found.append(np.concatenate([(observe @ u.ravel() - boundary.seen) / sigma, f]))
-        return found
-
-    def edge_answers(self, states):
-        """Displacements observed and forces by errors of the prescribed edges, by step."""
-        found = []
-        for (_, _, K), boundary, observe, forces in zip(states, self.boundaries, self.observe, self.forces, strict=True):
-            free, rows = boundary.free, K[boundary.free]
-            du = boundary.errors.toarray()
-            du[free] = -factorise(rows[:, free]).solve((rows @ boundary.errors).toarray())
-            f = [(K @ f.direction / f.sigma) @ du for f in forces]
-            found.append((observe @ du, np.array(f).reshape(len(forces), -1)))
-        return found
-
-    def shared(self, states, sigma, anew=False) -> SharedErrors:
-        if self._answers is None or anew:
-            self._answers = self.edge_answers(states)
-        A = [np.concatenate([u / sigma, f]) for u, f in self._answers]
-        E = [np.concatenate([np.zeros((len(u), load.shape[1])), load]) for (u, _), load in zip(self._answers, self._loads)]
-        return SharedErrors.of(A, E)
-
-    def jacobians(self, field, states, near, sigma):
-        of, _ = field.cells()
-        found = []
-        for (u, _, K), boundary, observe, forces in zip(states, self.boundaries, self.observe, self.forces, strict=True):
-            free = boundary.free
-            B = field.loads(self.sheet.response(u, of, True)[2], near)
-            count = B.shape[1]
-            # Distances of nodes beside no cut cell change nothing.
-            some = np.flatnonzero(np.diff(B.tocsc().indptr))
-            B = B[:, some]
-            du = -factorise(K[free][:, free]).solve(B[free].toarray())
-            J = np.zeros((observe.shape[0] + len(forces), count))
-            J[: observe.shape[0], some] = (observe[:, free] / sigma) @ du
-            for row, f in zip(J[observe.shape[0] :], forces, strict=True):
-                row[some] = (B.T @ f.direction + (K @ f.direction)[free] @ du) / f.sigma
-            found.append(J)
-        return found
-
-    def _held(self, field: Interfaces, near):
-        strategy, bends = self.strategy, field.lines.grid.bends
-        ridge = np.full(len(self.law.names), strategy.ridge)
-        blocks = [scipy.sparse.diags(np.tile(ridge, field.count))]
-        middle = np.asarray(bends.argmin(axis=1)).ravel()
+    def held(self, field: Interfaces, near) -> scipy.sparse.csr_matrix:
+        """Inverse covariance of materials and distances without data."""
+        bends = field.lines.grid.bends
+        blocks = [self._strategy.ridge * scipy.sparse.identity(field.materials.size)]
+        middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
         for row, nodes in zip(field.distances, near, strict=True):
             inside = np.zeros(len(row))
             inside[nodes] = 1.0
-            whole = np.asarray(abs(bends).sum(axis=1)).ravel() - abs(bends) @ inside < 0.5
-            rows = whole & (np.abs(row[middle]) < strategy.layer_bent)
-            some = bends[np.flatnonzero(rows)][:, nodes] / strategy.layer_bend
+            rows = (whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < self._strategy.layer_bent)
+            some = bends[np.flatnonzero(rows)][:, nodes] / self._strategy.layer_bend
             blocks.append(some.T @ some)
         return scipy.sparse.block_diag(blocks, format="csr")
 
-    def descend(self, field: Interfaces, guesses, iterations=30, gain=0.5, say=None, lines=True, relative=1e-4) -> Fit | None:
-        strategy = self.strategy
-        states = self.states(field, guesses)
+    def _numbers(self, field: Interfaces) -> _Numbers:
+        near = self.near(field)
+        y, held = field.numbers(near), self.held(field, near)
+        centre = np.zeros(len(self._law.names))
+        centre[0] = self.test.problem.homogeneous.params[0]
+        extra = len(y) - field.materials.size
+        centre = np.concatenate([np.tile(centre, field.count), np.zeros(extra)])
+        lowest = np.concatenate([np.tile(self._law.lowest, field.count), np.full(extra, -np.inf)])
+        known = self._strategy.largest_step**-2.0
+        floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, self._strategy.layer_held)])
+        if self._finds:
+            y, centre = np.append(y, self.test.window), np.append(centre, self.test.window)
+            held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
+            lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
+        return _Numbers(y, near, held, centre, lowest, floor)
+
+    def descend(self, field: Interfaces, guesses, iterations: int) -> Fit | None:
+        """Where a descent ends; None without equilibrium.
+
+        Args:
+            guesses: displacement of every step near its equilibrium.
+        """
+        test = self.test
+        states = test.states(field, guesses)
         if states is None:
             return None
-        history, ending, sigma = [], "out of iterations", np.inf
-        count = sum(o.shape[0] for o in self.observe)
+        history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
+        lines = self._moves and len(field.distances) > 0
         for number in range(iterations):
-            if lines and number in (2, 5, 9) and len(field.distances):
-                anew = field.measured_anew(strategy.layer_fewest)
-                again = self.states(anew, [s[0] for s in states])
-                if again is not None:
-                    field, states = anew, again
-            near = field.near(strategy.layer_reach) if lines else [np.zeros(0, int)] * len(field.distances)
-            held = self._held(field, near)
-            raw = self.residuals(states, 1.0)
-            left = np.sqrt(sum(float(r[: o.shape[0]] @ r[: o.shape[0]]) for r, o in zip(raw, self.observe)) / count)
-            # What is left weighs as noise, until noise is all that is left.
-            sigma = max(self.sigma, min(left, sigma))
-            shared = self.shared(states, sigma)
-            residuals = self.residuals(states, sigma)
-            y, jacobians = field.numbers(near), self.jacobians(field, states, near, sigma)
-            if self.find_window:
-                y = np.concatenate([y, [self.window]])
-                held = scipy.sparse.block_diag([held, [[1e-6]]], format="csr")
-                for k, D in enumerate(self.by_window()):
-                    column = np.zeros((len(jacobians[k]), 1))
-                    column[: D.shape[0], 0] = D @ states[k][0].ravel() / sigma
-                    jacobians[k] = np.concatenate([jacobians[k], column], axis=1)
-            extra = len(y) - field.materials.size
-            centre = np.concatenate([np.tile(self._centre, field.count), np.zeros(extra)])
-            if self.find_window:
-                centre[-1] = self.window
-            lowest = np.concatenate([np.tile(self.law.lowest, field.count), np.full(extra, -np.inf)])
-
-            def value(y, residuals):
-                return 0.5 * shared.squared(residuals) + 0.5 * float((y - centre) @ (held @ (y - centre)))
-
-            before = value(y, residuals)
-            history.append(left / self.sigma)
-            curvature, gradient = shared.normal(jacobians, residuals)
-            curvature, gradient = curvature + held.toarray(), gradient + held @ (y - centre)
-            floor = np.concatenate([np.full(field.materials.size, strategy.largest_step**-2.0), np.full(extra, strategy.layer_held)])
-            moved, at = None, self.window
-            if self.find_window:
-                lowest[-1] = 0.0
-            for trials, (changed, _) in enumerate(projected_steps(y, gradient, curvature, lowest, floor, strategy)):
-                trial = field.at(changed[: len(changed) - self.find_window], near)
-                reached = self.states(trial, [s[0] for s in states])
-                if self.find_window:
-                    self.set_window(float(min(changed[-1], 6.0)))
-                if reached is not None:
-                    after = value(changed, self.residuals(reached, sigma))
-                    if after < before:
-                        moved = trial, reached, before - after
-                        break
-            if say:
-                say(number, before, history[-1], len(y), trials, moved and moved[2])
+            if lines and number in MEASURED:
+                anew = field.measured_anew(self._strategy.layer_fewest)
+                again = test.states(anew, [u for u, _, _ in states])
+                field, states = (field, states) if again is None else (anew, again)
+            sigma = test.sigma_of(states, sigma)
+            history.append(test.left(states))
+            moved = self._step(field, states, sigma)
             if moved is None:
-                self.set_window(at)
-                ending = "stagnated"
+                ending = Ending.STAGNATED
                 break
-            field, states, gained = moved
-            if gained < max(gain, relative * before) and number > 9 * bool(len(field.distances) and lines):
-                ending = "converged"
+            field, states, before, gained = moved
+            if gained < max(GAIN, RELATIVE_GAIN * before) and number >= SETTLED * lines:
+                ending = Ending.CONVERGED
                 break
-        return self.fit(field, states, ending, history, lines)
+        return self._fit(field, states, ending, history)
 
-    def fit(self, field, states, ending, history, lines=True):
-        strategy, sigma = self.strategy, self.sigma
-        near = field.near(strategy.layer_reach) if lines else [np.zeros(0, int)] * len(field.distances)
-        held = self._held(field, near)
-        shared = self.shared(states, sigma, anew=True)
-        residuals = self.residuals(states, sigma)
-        y = field.numbers(near)
-        extra = len(y) - field.materials.size
-        centre = np.concatenate([np.tile(self._centre, field.count), np.zeros(extra)])
-        G, _ = shared.normal(self.jacobians(field, states, near, sigma), residuals)
-        going = np.concatenate([field.materials.ravel() > np.tile(self.law.lowest, field.count), np.ones(extra, bool)])
-        floor = np.concatenate([np.zeros(field.materials.size), np.full(extra, strategy.layer_held)])
-        G = G[np.ix_(going, going)]
-        determined = float(np.trace(np.linalg.solve(G + held.toarray()[np.ix_(going, going)] + np.diag(floor[going]), G)))
-        prior = 0.5 * float((y - centre) @ (held @ (y - centre)))
+    def _step(self, field: Interfaces, states, sigma: float):
+        """(field, states, cost before, by how much it fell) of a step that lowers the cost, or None."""
+        test, numbers = self.test, self._numbers(field)
+        shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
+        jacobians = test.answers(states, test.loads(field, states, numbers.near), sigma)
+        if self._finds:
+            columns = test.by_window(states, sigma)
+            jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
+        before = 0.5 * shared.squared(residuals) + numbers.prior(numbers.y)
+        curvature, gradient = shared.normal(jacobians, residuals)
+        curvature = curvature + numbers.held.toarray()
+        gradient = gradient + numbers.held @ (numbers.y - numbers.centre)
+        if self._finds:
+            covariance = np.linalg.inv(curvature + np.diag(UNKNOWN * numbers.floor))
+            self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
+        window, count = test.window, len(numbers.y) - self._finds
+        for changed, _ in projected_steps(
+            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy
+        ):
+            trial = field.at(changed[:count], numbers.near)
+            reached = test.states(trial, [u for u, _, _ in states])
+            if reached is None:
+                continue
+            if self._finds:
+                test.see_through(float(changed[-1]))
+            after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(changed)
+            if after < before:
+                return trial, reached, before, before - after
+        test.see_through(window)
+        return None
+
+    def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
+        test, numbers = self.test, self._numbers(field)
+        shared, residuals = test.shared(states, test.sigma, anew=True), test.residuals(states, test.sigma)
         white = shared.white(residuals)
-        u = np.concatenate([w[: o.shape[0]] for w, o in zip(white, self.observe)])
-        f = np.concatenate([w[o.shape[0] :] for w, o in zip(white, self.observe)])
-        rms = lambda x: float(np.sqrt(np.mean(x**2))) if len(x) else 0.0
-        return Fit(field, states, sigma, rms(u), rms(f), 0.5 * shared.squared(residuals) + prior, prior, determined, ending, history, residuals)
+        of_u = test.of_displacements(white)
+        of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
+        observed = [boundary.observed for boundary in test.boundaries]
+        left = left_of(test.problem.observations.grid, observed, of_u, 0.0)
+        jacobians = test.answers(states, test.loads(field, states, numbers.near), test.sigma)
+        determined = self._determined(field, numbers, shared, jacobians, residuals, left)
+        squared = sum(float(u @ u) for u in of_u)
+        total = shared.squared(residuals)
+        return Fit(
+            field,
+            states,
+            white,
+            left_of(test.problem.observations.grid, observed, of_u, determined),
+            _mean(np.concatenate(of_u)),
+            _mean(of_f),
+            total - squared,
+            0.5 * total + numbers.prior(numbers.y),
+            numbers.prior(numbers.y),
+            determined,
+            test.window,
+            self._window_error,
+            ending,
+            history,
+        )
+
+    def _determined(self, field, numbers: _Numbers, shared, jacobians, residuals, left: Left) -> float:
+        """How many numbers the data determine, where displacements are as uncertain as what they leave says."""
+        looser = max(left.level * float(np.sqrt(left.inflation)), 1.0)
+        for J, u in zip(jacobians, self.test.of_displacements(residuals), strict=True):
+            J[: len(u)] /= looser
+        shared = dataclasses.replace(shared, sigma=shared.sigma * looser)
+        curvature, _ = shared.normal(jacobians, [np.zeros(len(r)) for r in residuals])
+        count = len(curvature)
+        going = np.flatnonzero(numbers.y[:count] > numbers.lowest[:count])
+        held = numbers.held.toarray()[np.ix_(going, going)]
+        floor = np.where(going < field.materials.size, 0.0, numbers.floor[going])
+        curvature = curvature[np.ix_(going, going)]
+        return float(np.trace(np.linalg.solve(curvature + held + np.diag(floor), curvature)))
+
+
+def _mean(values) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import ReducedEquations
@@ -94,6 +94,21 @@ class LayeredEstimate(Estimate):
     def layered(self) -> bool:
         """They are."""
         return True
+
+    @property
+    def labels(self) -> Int[np.ndarray, " cell"]:
+        """The material that has most of every cell."""
+        return (self.params[:, self.problem.basis.names.index("share")] < 0.5).astype(int)
+
+    @property
+    def distances(self) -> Float[np.ndarray, "line node"]:
+        """Distance of every node from the line, positive where the second material is."""
+        return -self.distance[None]
+
+    @property
+    def mixture(self) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of the field of mixtures that explains the test as well."""
+        return self.free.params
 
     @property
     def material_count(self) -> int:

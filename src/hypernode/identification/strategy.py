@@ -24,6 +24,7 @@ from hypernode.identification.estimate import Estimate
 from hypernode.identification.finer_grid import from_coarser_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend
+from hypernode.identification.interface_search import of_parts
 from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
@@ -60,6 +61,9 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
     """
+    parts = of_parts(measurement, settings, name, strategy)
+    if parts is not None:
+        return _said(parts, settings, name)
     found = _identified(measurement, settings, name, strategy)
     window = unstated_window(found, measurement, settings, name)
     if window is not None:
@@ -86,6 +90,11 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
         again = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
         found = again.instead_of(found, because="again with the error of elements beside the noise")
+    return _said(found, settings, name)
+
+
+def _said(found: Estimate, settings: Constrained, name: str) -> Estimate:
+    """The same, once its trace and what speaks against it are said."""
     for line in table(found.trace.rows(found.trial)):
         say("constrained", name, line)
     _warn(found, settings, name)

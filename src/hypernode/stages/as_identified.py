@@ -1,7 +1,5 @@
 """The problem whose answer an equilibrium field is, from its file and its measurement."""
 
-import json
-
 import numpy as np
 
 from hypernode.config.methods import Constrained
@@ -34,11 +32,11 @@ def problem_as_identified(
     Raises:
         OtherUncertainty: no noise model of the measurement is that of the field.
     """
-    sigma, noisy = float(field.attrs["displacement_sigma"]), json.loads(field.attrs["noise_rules_displacements"])
+    sigma = float(field.attrs["displacement_sigma"])
     window = BelievedWindow.read(field.attrs)
     taken = BelievedNoise.read(field.attrs).of(measurement if window is None else window.of(measurement))
-    # Where noise rules, the error of finite elements is known from the grid.
-    floor = None if noisy else float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
+    # What is not noise is what finite elements were taken to miss.
+    floor = float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
     problem = problem_of_basis(taken, settings, law, subcells, floor=floor)
     if abs(problem.sigma - sigma) <= ROUNDING * sigma:
         return problem, taken

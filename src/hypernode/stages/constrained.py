@@ -41,7 +41,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
     if found.layered:
-        variables |= {"P_jump": found.jump_stress(F)} | mixture_content(found.basis, found.free.params)
+        variables |= {"P_jump": found.jump_stress(F)} | mixture_content(found.basis, found.mixture)
     variables |= _geometry(found)
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
@@ -74,11 +74,11 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
 
 
 def _geometry(found) -> dict:
-    """Which material every cell is of, and where the line between two materials runs; none of cells of their own."""
-    if found.layered:
-        share = found.params[:, found.problem.basis.names.index("share")]
-        return {"material_label": (share < 0.5).astype(np.int16), "interface_distance": found.distance}
-    return {} if found.phases is None else {"material_label": found.phases.labels.astype(np.int16)}
+    """Which material every cell is of, and where the lines between materials run; none of cells of their own."""
+    if found.material_count == 0:
+        return {}
+    geometry = {"material_label": found.labels.astype(np.int16)}
+    return geometry | {"interface_distance": found.distances} if found.layered else geometry
 
 
 def _posterior(found, settings: Constrained) -> dict:

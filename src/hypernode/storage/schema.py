@@ -153,7 +153,9 @@ VARIABLES = {
     "loss": Variable(("iteration",), "1", "training loss"),
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
     "material_label": Variable(("cell",), "1", "material that has most of a cell, from 0"),
-    "interface_distance": Variable(("node",), "1", "distance from the line in sides of a cell, positive in material 0"),
+    "interface_distance": Variable(
+        ("interface", "node"), "1", "distance from the line of material 1, 2, ... in sides of a cell, positive in it"
+    ),
     "local_misfit": Variable(
         ("cell",), "1", "misfit of displacements around a cell over that of the sheet or over noise, what is more"
     ),

@@ -1,0 +1,174 @@
+"""A field of a few materials and lines as an answer: its layers, its uncertainty, and what it leaves."""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float, Int
+
+from hypernode.identification.estimate import Estimate
+from hypernode.identification.few_materials import ReducedEquations
+from hypernode.identification.interface_noise import Left
+from hypernode.identification.interfaces import SMALLEST_SHARE, Interfaces
+from hypernode.identification.laminates import laminate
+from hypernode.identification.points import Points
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.trace import Score
+
+#: Largest change of the logarithm of a layer's share in a sample, which is of first order.
+LARGEST_CHANGE = 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class InterfaceEstimate(Estimate):
+    """Materials and lines.
+
+    Attributes:
+        field: the materials and the lines.
+        near: nodes of which each line's distance is a number of the field.
+        going: which numbers the data may change: coefficients that are none stay none.
+        held: inverse covariance of the numbers without data.
+        left: what displacements leave.
+        scored: the parts of its score.
+    """
+
+    field: Interfaces = None
+    near: list = None
+    going: np.ndarray = None
+    held: scipy.sparse.csr_matrix = None
+    left: Left = None
+    scored: Score = None
+
+    @property
+    def basis(self) -> ConvexBasis:
+        """The law of the materials."""
+        return self.problem.basis
+
+    @property
+    def layered(self) -> bool:
+        """Whether a line cuts cells."""
+        return len(self.field.distances) > 0
+
+    @property
+    def material_count(self) -> int:
+        """How many there are."""
+        return self.field.count
+
+    @property
+    def labels(self) -> Int[np.ndarray, " cell"]:
+        """The material that has most of every cell."""
+        return self.field.labels()
+
+    @property
+    def distances(self) -> Float[np.ndarray, "line node"]:
+        """Distance of every node from the line of each material but the first, positive where it is."""
+        return self.field.distances
+
+    @property
+    def score(self) -> Score:
+        """As the search scored it."""
+        return self.scored
+
+    @functools.cached_property
+    def effective_parameters(self) -> float:
+        """How many numbers of materials and lines the data determine."""
+        whole = self.answers(self.linear.curvature).matrix
+        held = self.held.toarray()[np.ix_(self.going, self.going)]
+        return float(np.trace(np.linalg.solve(whole, whole - held)))
+
+    def answers(self, curvature: Callable) -> ReducedEquations:
+        """How materials and lines answer to loads."""
+        columns = scipy.sparse.identity(len(self.going), format="csc")[:, np.flatnonzero(self.going)]
+        return ReducedEquations(curvature, columns, columns.T @ self.held @ columns)
+
+    @functools.cached_property
+    def _layers(self):
+        """(material of both parts of every cell (part, cell), their shares)."""
+        of = self.field.grid_cells()
+        owner = np.tile(of.one, (2, 1))
+        shares = np.full(owner.shape, 0.5)
+        owner[1, of.cut] = of.other
+        shares[:, of.cut] = np.stack([of.share, 1.0 - of.share])
+        return owner, np.maximum(shares, SMALLEST_SHARE)
+
+    @property
+    def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
+        """Parameters of the two layers, or of the same material twice, whose mean is the stress of the cell.
+
+        The factor of the stress, an exponential of the first parameter, has the share of a layer in it.
+        """
+        owner, shares = self._layers
+        parts = np.moveaxis(self.field.materials[owner], -1, 0).copy()
+        parts[0] += np.log(2.0 * shares)
+        return parts
+
+    @property
+    def mixture(self) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of the material that most of every cell is of."""
+        return self.field.materials[self.labels]
+
+    def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
+        """What cells give way by the jump of the deformation across the interface: layers less both sides at one F."""
+        of, found = self.field.grid_cells(), np.zeros(F.shape)
+        points, count = Points(self.basis), len(of.cut)
+        if not count:
+            return found
+        flat = np.moveaxis(F[:, of.cut], (2, 3), (0, 1)).reshape(2, 2, -1)
+        each = self.field.materials[of.one[of.cut]].T, self.field.materials[of.other].T, of.share, of.normal.T
+        one, other, share, normal = (np.tile(part, len(F)) for part in each)
+        layers = laminate(points, flat, one, other, share, normal, False).P
+        sides = share * points.stress(flat, one)[0] + (1.0 - share) * points.stress(flat, other)[0]
+        found[:, of.cut] = np.moveaxis((layers - sides).reshape(2, 2, len(F), count), (0, 1), (2, 3))
+        return found
+
+    def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
+        """Fields that the test tells as little from this one as what it leaves allows, to first order.
+
+        The inverse curvature, with displacements as uncertain as what is left of them is large and shared: that of a
+        wrong weight is the sandwich of Huber (The behavior of maximum likelihood estimates under nonstandard
+        conditions, 1967).
+        """
+        going = np.flatnonzero(self.going)
+        G_u, G_f, held = self._curvatures
+        H = (G_u + G_f + held)[np.ix_(going, going)]
+        spread = (self.left.level**2 * self.left.inflation * G_u + G_f + held)[np.ix_(going, going)]
+        values, vectors = np.linalg.eigh(spread)
+        draws = np.random.default_rng(seed).normal(size=(len(going), count))
+        change = np.zeros((len(self.going), count))
+        change[going] = np.linalg.solve(H, vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * draws))
+        return self._by_parts_changed(self.understated * change)
+
+    def _by_parts_changed(self, change):
+        """:attr:`by_parts` after changes of the numbers (number, sample), to first order."""
+        owner, shares = self._layers
+        materials = self.field.materials
+        moved = change[: materials.size].reshape(*materials.shape, -1)
+        samples = np.moveaxis(moved[owner], (2, 3), (0, 1)) + self.by_parts[:, None]
+        of, line = self.field._cells(self.field.lines.grid, self.field.distances)
+        first = materials.size
+        for k, nodes in enumerate(self.near):
+            distances = np.zeros((self.field.distances.shape[1], change.shape[1]))
+            distances[nodes] = change[first : first + len(nodes)]
+            first += len(nodes)
+            own = of.cut[line == k]
+            slopes = self.field.lines.grid.slopes(self.field.distances[k])[own]
+            by_share = np.einsum("cv,cvs->sc", slopes, distances[self.field.lines.grid.mesh.cells[own]])
+            for part, sign in enumerate((1.0, -1.0)):
+                samples[0, :, part, own] += np.clip(
+                    sign * by_share / shares[part, own], -LARGEST_CHANGE, LARGEST_CHANGE
+                ).T
+        return samples
+
+    @functools.cached_property
+    def _curvatures(self):
+        """Curvature of the numbers by displacements, by forces, and without data."""
+        unit = np.eye(len(self.going))
+        white = self.linear.product(unit)
+        displacements = len(white) - len(self.problem.forces)
+        return (
+            white[:displacements].T @ white[:displacements],
+            white[displacements:].T @ white[displacements:],
+            self.held.toarray(),
+        )

@@ -1,0 +1,83 @@
+"""What displacements leave when a field is fitted: how large it is, and how many independent numbers it is worth."""
+
+import dataclasses
+
+import numpy as np
+
+from hypernode.fem.mesh import Mesh
+
+#: Distance in points up to which errors of neighbours are looked at: overlapping subsets share no more.
+REACH = 4
+
+
+@dataclasses.dataclass(frozen=True)
+class Left:
+    """Residuals of a fit.
+
+    Attributes:
+        level: root mean square, in units of the believed noise, with what fitted numbers took away put back.
+        neighbours: variance of a mean over neighbours against that of independent errors, one or more.
+        steps: correlation of the same point in different steps, none or more: what a law, a mesh or a reference picture
+            does wrong it does in every step.
+        count: how many residuals there are.
+    """
+
+    level: float
+    neighbours: float
+    steps: float
+    count: int
+    number_of_steps: int
+
+    @property
+    def inflation(self) -> float:
+        """Factor by which these weigh as less than as many independent ones."""
+        return self.neighbours * (1.0 + (self.number_of_steps - 1) * self.steps)
+
+    @property
+    def independent(self) -> float:
+        """How many independent numbers the residuals are worth."""
+        return self.count / self.inflation
+
+
+def left_of(grid: Mesh, observed, white, determined: float) -> Left:
+    """How the residuals of displacements are shared.
+
+    Args:
+        grid: measured grid.
+        observed: numbers of the observed degrees of freedom, by step.
+        white: their residuals over the noise, free of what edges share, by step.
+        determined: how many numbers were fitted.
+    """
+    place, shape = grid.places, (len(grid.lines[1]), len(grid.lines[0]))
+    maps = np.full((len(white), 2, shape[0] * shape[1]), np.nan)
+    for k, (dofs, values) in enumerate(zip(observed, white, strict=True)):
+        maps[k, dofs % 2, place[dofs // 2]] = values
+    maps = maps.reshape(len(white), 2, *shape)
+    count = sum(len(values) for values in white)
+    square = float(np.nanmean(maps**2))
+    along = [_correlations(maps, axis) for axis in (2, 3)]
+    # Of a separable correlation, a mean over the plane is worth the product of those over lines.
+    neighbours = float(np.prod([1.0 + 2.0 * np.maximum(each, 0.0).sum() for each in along]))
+    shared = 0.0
+    if len(white) > 1:
+        scaled = maps / np.sqrt(np.nanmean(maps**2, axis=(1, 2, 3), keepdims=True))
+        pairs = [(i, j) for i in range(len(white)) for j in range(i)]
+        shared = max(float(np.mean([np.nanmean(scaled[i] * scaled[j]) for i, j in pairs])), 0.0)
+    level = np.sqrt(square / max(1.0 - determined / max(count, 1), 0.1))
+    return Left(level, neighbours, shared, count, len(white))
+
+
+def _correlations(maps, axis: int) -> np.ndarray:
+    """Correlation of points 1 to :data:`REACH` apart along an axis; none behind the first that is not there."""
+    mean = np.nanmean(maps**2)
+    found = np.zeros(REACH)
+    for apart in range(1, min(REACH, maps.shape[axis] - 1) + 1):
+        one, other = (
+            np.take(maps, range(apart, maps.shape[axis]), axis),
+            np.take(maps, range(maps.shape[axis] - apart), axis),
+        )
+        value = float(np.nanmean(one * other) / mean)
+        if value <= 1.0 / np.sqrt(maps.size):
+            break
+        found[apart - 1] = value
+    return found
