@@ -81,19 +81,26 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     return Copies(cleaned, inserted, findings)
 
 
+def _both(components: Bool[np.ndarray, "row column 2"]) -> Bool[np.ndarray, "row column"]:
+    """Where both components are so."""
+    return components[..., 0] & components[..., 1]
+
+
 def _equal(before: Field, after: Field) -> bool:
     """Whether two frames are one, as far as points are known in both."""
-    known = np.isfinite(before).all(axis=2) & np.isfinite(after).all(axis=2)
-    same = (before == after).all(axis=2) & known
+    same = _both(before == after)
+    if not same.any():
+        return False
+    known = _both(np.isfinite(before)) & _both(np.isfinite(after))
     # Sheets without any displacement are the reference again, and no copy of a measurement.
-    return bool(known.any() and same.sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
+    return bool(known.any() and (same & known).sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
 
 
 def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:
     """A sentence where frames without any displacement follow the reference, although others have noise."""
     still = [k for k, frame in enumerate(frames) if k and not np.nan_to_num(frame.displacement).any()]
     noisy = [frame for k, frame in enumerate(frames) if k and k not in still]
-    if not still or not any(_has_noise(f.displacement, np.isfinite(f.displacement).all(axis=2)) for f in noisy):
+    if not still or not any(_has_noise(f.displacement, _both(np.isfinite(f.displacement))) for f in noisy):
         return ()
     return (
         f"frame {frames[still[0]].number} has no displacement at all, as only the reference has: "
@@ -172,7 +179,7 @@ def _smooth(difference: Field, known: Bool[np.ndarray, "row column"]) -> tuple[F
 def _motion(before: Field, after: Field) -> tuple[float, float]:
     """(mean size of the smooth motion between two frames, its standard deviation)."""
     difference = after - before
-    known = np.isfinite(difference).all(axis=2)
+    known = _both(np.isfinite(difference))
     found = _smooth(difference, known)
     if found is None:
         return 0.0, np.inf
@@ -186,14 +193,12 @@ def _motion(before: Field, after: Field) -> tuple[float, float]:
 def _left_behind(before: Field, after: Field) -> Bool[np.ndarray, "row column"]:
     """Points that keep the displacement of the frame before, or have none at all, while those around them move."""
     lost = np.zeros(after.shape[:2], dtype=bool)
-    known = np.isfinite(after).all(axis=2)
     # Zero is the reference's displacement, with which a program fills up what it could not find.
-    for origin, still in (
-        (np.nan_to_num(before), (before == after).all(axis=2)),
-        (np.zeros_like(after), (after == 0.0).all(axis=2)),
-    ):
-        moving = known & ~still & np.isfinite(before).all(axis=2)
-        found = _smooth(after - origin, moving) if still.any() else None
+    for origin, still in ((np.nan_to_num(before), _both(before == after)), (0.0, _both(after == 0.0))):
+        if not still.any():
+            continue
+        known = _both(np.isfinite(after))
+        found = _smooth(after - origin, known & ~still & _both(np.isfinite(before)))
         if found is not None:
             smooth, scatter = found
             lost |= known & still & (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
