@@ -93,7 +93,8 @@ def _equal(before: Field, after: Field) -> bool:
         return False
     known = _both(np.isfinite(before)) & _both(np.isfinite(after))
     # Sheets without any displacement are the reference again, and no copy of a measurement.
-    return bool(known.any() and (same & known).sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
+    whole = known.any() and (same & known).sum() >= _WHOLE * known.sum()
+    return bool(whole and after[known].any()) and _has_noise(after, known)
 
 
 def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:

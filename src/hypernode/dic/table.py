@@ -92,7 +92,7 @@ def _filled(text: str, sign: str) -> str:
     return text + "nan" if text.endswith(sign) else text
 
 
-def _row_by_row(path: Path, number, rows: list[str], layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:
+def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:
     """The same of rows with quoted cells or words, or an error that names the line."""
     width, values = len(layout.names), []
     quoted = any('"' in line for line in rows[:2])
