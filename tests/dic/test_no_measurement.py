@@ -49,6 +49,14 @@ def test_a_block_that_stands_still_while_the_sheet_moves_is_lost(tmp_path, value
     assert "60 displacements in 3 frames" in finding and "count as lost" in finding
 
 
+def test_what_hangs_together_with_points_that_stand_still_is_lost_where_it_hardly_moves(tmp_path):
+    frames, place = fields(), np.s_[0:5, 4:9]
+    for k in (6, 7):
+        frames[k][place] = frames[5][place]
+    series = read_series(write(tmp_path, frames))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 6 + [25, 25, 0]
+
+
 def test_points_of_a_held_edge_that_stand_still_are_measured(tmp_path):
     frames = fields()
     for u in frames:

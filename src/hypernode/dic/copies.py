@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import scipy.ndimage
 from jaxtyping import Bool, Float
 
 from hypernode.dic.errors import DicError
@@ -202,5 +203,8 @@ def _left_behind(before: Field, after: Field) -> Bool[np.ndarray, "row column"]:
         found = _smooth(after - origin, known & ~still & _both(np.isfinite(before)))
         if found is not None:
             smooth, scatter = found
-            lost |= known & still & (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
+            behind = (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
+            # A program fails at regions: what hangs together with such a point failed as well, however little it moves.
+            regions, _ = scipy.ndimage.label(known & still, np.ones((3, 3)))
+            lost |= known & still & np.isin(regions, regions[known & still & behind])
     return lost
