@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import check_end, check_reach, check_rise, check_stiffness, check_units
+from hypernode.dic.forces.checks import check_end, check_reach, check_rise, check_units
 from hypernode.dic.forces.clock import agreed_offset, check_clock, estimate_offsets
+from hypernode.dic.forces.magnitude import check_stiffness
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
 from tests.dic.test_davis import config as specimen_config

@@ -1,9 +1,12 @@
 """Faults of records as people bring them: each is read aright, named, or asked for, and none passes in silence."""
 
+import re
+
 import numpy as np
 import pytest
 
 from hypernode.inspection.folder import inspect
+from hypernode.inspection.report import report
 from tests.inspection.folders import FIELDS, GIVEN, write_frames
 
 #: Elongation of every frame, a second apart, and of every sample.
@@ -101,6 +104,30 @@ def test_a_sheet_that_moves_a_tenth_of_its_machine_is_refused(folder, factor, to
     found = seen(folder, "Time (s),Displacement (mm),Force (N)", rows)
     assert found.sheet is None and told in said(found) and "--set crosshead=false" in said(found)
     assert inspect(folder, {**GIVEN, "crosshead": False}).sheet is not None
+
+
+@pytest.mark.parametrize(("factor", "told"), [(1.0, ""), (1.0 / 9.80665, "kilograms"), (1e3, "(1000)"), (1.1, "")])
+def test_a_force_in_another_unit_than_the_stress_beside_it_is_said(folder, factor, told):
+    force, area = force_at(0.025 * TIME), GIVEN["width"] * GIVEN["thickness"]
+    rows = [f"{t:.5f},{factor * f:.7f},{f / area:.7f}" for t, f in zip(TIME, force, strict=True)]
+    found = seen(folder, "Time (s),Force (N),Stress (MPa)", rows)
+    assert found.sheet is not None
+    assert (told in said(found) and "divides its force" in said(found)) if told else not said(found)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_thousandth_and_a_thousandfold_of_the_force_are_of_no_known_sheet(folder, factor):
+    force = factor * force_at(0.025 * TIME)
+    rows = [f"{t:.5f},{f:.9f}" for t, f in zip(TIME, force, strict=True)]
+    assert "is that of no sheet" in said(seen(folder, "Time (s),Force (N)", rows))
+
+
+def test_every_report_says_the_stiffness_that_a_force_gives(folder):
+    (line,) = [each for each in report(plain(folder)) if each.startswith("stiffness")]
+    low, high = (float(each) for each in re.search(r"one: (\S+) to (\S+) MPa", line).groups())
+    stretch = 1.0 + np.array(SIZES[1:])
+    secant = force_at(stretch - 1.0) / (GIVEN["width"] * GIVEN["thickness"] * (stretch - 1.0))
+    assert secant.min() * 0.9 < low <= high < secant.max() * 1.1
 
 
 def test_of_several_loadings_the_last_is_used_or_that_which_is_named(folder):

@@ -61,6 +61,8 @@ class ForceLimits:
     impossible_stiffening: float = 300.0
     softest: float = 0.01
     stiffest: float = 3e5
+    flowing: float = 300.0
+    stretched: float = 1.05
     clock_intervals: float = 3.0
     clock_deviations: float = 3.0
     least_sharpness: float = 0.5
@@ -190,53 +192,3 @@ def check_units(
             True,
         )
     ]
-
-
-def check_stiffness(
-    stretch: Float[np.ndarray, " step"],
-    force: Float[np.ndarray, " step"],
-    area: float,
-    numbers,
-    limits: ForceLimits = LIMITS,
-) -> list[Finding]:
-    """The secant stiffness f/(A (s - 1)) of the load steps is that of a sheet.
-
-    Args:
-        stretch, force: of the load steps [N].
-        area: of the section [mm^2].
-        numbers: of their frames, for messages.
-        limits: where it is not.
-    """
-    known = stretch > 1.0
-    stretch, force, numbers = stretch[known], force[known], np.asarray(numbers)[known]
-    if not len(force):
-        return []
-    stiffness = force / (area * (stretch - 1.0))
-    if (stiffness <= 0.0).any():
-        at = int(np.argmin(stiffness))
-        return [
-            Finding(
-                f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
-                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
-                True,
-            )
-        ]
-    findings, later = [], stiffness[1:]
-    change = later.max() / later.min() if len(later) else 1.0
-    if change > limits.stiffening:
-        impossible = change > limits.impossible_stiffening
-        findings.append(
-            Finding(
-                f"force per area over stretch less one changes by a factor of {change:.3g} over the load steps beyond "
-                f"the first ({later.min():.3g} to {later.max():.3g} MPa), "
-                + ("as no sheet does: a unit or a channel is wrong" if impossible else "as very few sheets do"),
-                impossible,
-            )
-        )
-    middle = float(np.median(stiffness))
-    if not limits.softest <= middle <= limits.stiffest:
-        guess = "is the record in volts or in kN?" if middle < limits.softest else "is the record in mN, or in counts?"
-        findings.append(
-            Finding(f"a stiffness of {middle:.3g} MPa on {area:.4g} mm2 is that of no sheet: {guess}", False)
-        )
-    return findings

@@ -8,10 +8,10 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import Finding, check_reach, check_rest, check_rise, check_stiffness, check_units
+from hypernode.dic.forces.checks import Finding, check_reach, check_rest, check_rise, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.magnitude import crosshead_findings
+from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.forces.silence import not_used, with_silences
@@ -127,7 +127,7 @@ def import_forces(
             refuse_where_reached(test.folder, course - 1.0, numbers, pull)
         found = _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
         if not any(each.refused for each in found):
-            found += crosshead_findings(test, pull, series, part, sides)
+            found += crosshead_findings(test, pull, series, part, sides) + section_findings(pull, area)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.clock_times import with_seconds
-from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
+from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, STRESS_UNITS, TIME_UNITS, VOLTS, Dialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.forces.pictures import picture_column, pictures_of
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
@@ -29,6 +29,7 @@ class ForceRecord:
         force: by sample and axis [N].
         displacement: of the crosshead or actuator by sample and axis [mm]; None where it is not recorded.
         channels: names of the columns of the force.
+        section: by which the record divides the one force to give a stress [mm^2]; None where it gives none.
     """
 
     path: Path
@@ -39,6 +40,7 @@ class ForceRecord:
     force: Float[np.ndarray, "sample axis"]
     displacement: Float[np.ndarray, "sample axis"] | None
     channels: tuple[str, ...]
+    section: float | None = None
 
     @property
     def program(self) -> str:
@@ -93,6 +95,7 @@ def read_force_record(
         values[:, -len(forces) :],
         _displacement(table, tuple(forces), decimal),
         tuple(table.header[at] for at in forces.values()),
+        _section(table, values[:, -1], decimal) if len(forces) == 1 else None,
     )
 
 
@@ -208,6 +211,20 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
     except ValueError:
         return None
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
+
+
+def _section(table: Table, force: np.ndarray, decimal: str) -> float | None:
+    """Force [N] over the stress of a column beside it [MPa], where they are in one proportion."""
+    for at in (k for k, unit in enumerate(table.units) if unit in STRESS_UNITS):
+        try:
+            stress = STRESS_UNITS[table.units[at]] * np.array([parse_number(row[at], decimal) for _, row in table.rows])
+        except ValueError:
+            continue
+        large = np.abs(stress) > 0.3 * np.abs(stress).max(initial=0.0)
+        ratio = force[large] / stress[large]
+        if large.any() and np.median(ratio) > 0.0 and np.ptp(ratio) <= 0.1 * np.median(ratio):
+            return float(np.median(ratio))
+    return None
 
 
 def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:
