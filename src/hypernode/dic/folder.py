@@ -132,9 +132,10 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
     first = ""
     for path in paths[:1]:
-        if path.suffix.lower() not in arrays.SUFFIXES:
-            lines = read_text(path, HEAD_BYTES).splitlines() or [""]
-            first = f"; {path.name} begins {lines[0][:60]!r}"
+        if path.suffix.lower() in arrays.SUFFIXES:
+            return f"{about} {shown(path.name for path in paths)}{arrays.said_of(path)}"
+        lines = read_text(path, HEAD_BYTES).splitlines() or [""]
+        first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
         f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
         "and table to its columns: {x: ..., y: ..., u: ..., v: ..., unit: mm}"

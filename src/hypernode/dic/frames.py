@@ -31,7 +31,7 @@ def trimmed(series: Series, ring: int) -> Series:
             "that lie closer together"
         )
     cut = slice(ring, -ring or None)
-    frames = [type(f)(f.number, f.displacement[cut, cut], f.time, f.force) for f in series.frames]
+    frames = [replace(f, displacement=f.displacement[cut, cut]) for f in series.frames]
     return replace(series, x=series.x[cut], y=series.y[cut], frames=frames, out_of_plane=0.0, files=(), tilt=0.0)
 
 

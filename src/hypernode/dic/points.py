@@ -40,6 +40,7 @@ class Points:
     unit: str
     time: float | None = None
     force: float | None = None
+    crosshead: float | None = None
 
 
 def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dialect) -> tuple[str, float]:

@@ -113,7 +113,9 @@ def record_of_frames(folder: Path, series: Series) -> ForceRecord:
     frames = [frame for frame in series.frames if frame.force is not None]
     numbers = np.array([frame.number for frame in frames], dtype=float)
     force = np.array([[frame.force] for frame in frames])
-    return ForceRecord(folder, None, None, numbers, (PULL,), force, None, ("force of each frame",))
+    way = [[frame.crosshead] for frame in frames]
+    way = None if [None] in way else np.array(way)
+    return ForceRecord(folder, None, None, numbers, (PULL,), force, way, ("force of each frame",))
 
 
 def _channel(table: Table, channel: str, key: str = "force_channel") -> int:
