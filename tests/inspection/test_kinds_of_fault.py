@@ -199,3 +199,40 @@ def test_pictures_that_are_counted_from_one_are_those_of_frames_from_zero(folder
     found = seen(folder, "File;TimeStamp;Force [N]", rows[:-1])
     assert found.sheet is None and "--set picture_shift=N" in said(found)
     assert steps(seen(folder, "File;TimeStamp;Force [N]", rows[:-1], picture_shift=1, frames=[2, 4, 7]))[-1] == 7
+
+
+def late(seconds):
+    return np.where(seconds < TIME, force_at(0.025 * np.maximum(TIME - seconds, 0.0)), 0.0)
+
+
+@pytest.mark.parametrize("crosshead", [True, False])
+@pytest.mark.parametrize("seconds", [0.3, 1.0])
+def test_a_record_that_is_late_by_less_than_its_clocks_tell_is_said_with_the_lag(folder, seconds, crosshead):
+    found = plain(folder, force=late(seconds), crosshead=crosshead)
+    told = float(re.search(r"--set force_time_offset=([0-9.]+) takes", said(found))[1])
+    assert told == pytest.approx(seconds, abs=0.06)
+    assert steps(plain(folder, force=late(seconds), force_time_offset=seconds, frames=[2, 4, 6]))
+
+
+def test_pictures_that_are_named_a_number_too_early_are_said_where_their_number_does_not_show_it(folder):
+    rows = [f"Image_{k:04d}_0.tiff;{k:.3f};{force_at(e):.5f}" for k, e in enumerate((0.0, *SIZES[:-1]))]
+    assert "--set picture_shift=1 takes them so" in said(seen(folder, "File;TimeStamp;Force [N]", rows))
+    found = seen(folder, "File;TimeStamp;Force [N]", rows, picture_shift=1, frames=[2, 4, 7])
+    assert steps(found)[-1] == 7 and not said(found)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05, -0.05])
+def test_uncertain_pairing_covers_what_a_small_lag_makes_of_the_force(folder, seconds):
+    shifted = force_at(0.025 * np.maximum(TIME - seconds, 0.0))
+    case = plain(folder, force=shifted, crosshead=False).sheet.cases[0]
+    true = force_at(np.array(SIZES)[case.numbers])
+    wrong = np.abs(case.force[1, 1] / true - 1.0)
+    assert (wrong < 2.0 * case.pairing).all() and (case.pairing < 0.05).all()
+    assert case.pairing[0] > case.pairing[-1] > 0.0
+
+
+def test_a_pairing_that_nothing_tells_is_uncertain_by_a_frame(folder):
+    sizes = SIZES[::3]
+    case = plain(folder, np.linspace(0.0, 2.0, 41), sizes=sizes, crosshead=False).sheet.cases[0]
+    slope = (force_at(sizes[2]) - force_at(sizes[1])) / force_at(sizes[2])
+    assert case.pairing[-1] == pytest.approx(slope / np.sqrt(12.0), rel=0.05)

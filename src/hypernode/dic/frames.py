@@ -164,6 +164,13 @@ def _each_once(test: SpecimenTest, key: str, chosen: list[int]) -> np.ndarray:
     return np.array(chosen)
 
 
+def first_loading(series: Series, course: Float[np.ndarray, " frame"]) -> tuple[np.ndarray, np.ndarray]:
+    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
+    numbers = np.array([frame.number for frame in series.frames])
+    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
+    return numbers[seen], course[seen]
+
+
 def several_loadings(test: SpecimenTest, series: Series, chosen: np.ndarray) -> str:
     """A sentence where the sheet is pulled more than once, or load steps lie in no loading or in two; else empty.
 
