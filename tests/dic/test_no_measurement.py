@@ -57,6 +57,39 @@ def test_what_hangs_together_with_points_that_stand_still_is_lost_where_it_hardl
     assert [lost(series, k).sum() for k in range(9)] == [0] * 6 + [25, 25, 0]
 
 
+def test_a_block_that_stands_still_while_the_sheet_creeps_is_lost_once_the_others_are_ahead_of_it(tmp_path):
+    frames = fields(steps=0.2 + 0.0008 * np.arange(1, 13))
+    for k in range(4, 13):
+        frames[k][BLOCK] = frames[3][BLOCK]
+    series = read_series(write(tmp_path, frames))
+    assert (lost(series, 12) == block()).all() and not lost(series, 3).any()
+
+
+@pytest.mark.parametrize("number", [-999.0, 1e30])
+def test_a_number_that_stands_for_none_is_no_displacement(tmp_path, number):
+    frames = fields()
+    frames[5][BLOCK] = number
+    series = read_series(write(tmp_path, frames))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_a_correlation_of_zero_is_that_of_a_point_that_was_not_found(tmp_path):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), 0.0, 0.98 * (k > 0))]  # noqa: E731
+    series = read_series(write(tmp_path, frames, header=HEADER + ",corrcoef", more=more))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_displacements_in_another_unit_of_length_than_positions_are_taken_in_it(tmp_path):
+    usual = read_series(write(tmp_path / "mm", fields()))
+    thousandths = write(tmp_path / "um", [1e3 * u for u in fields()], header="x [mm],y [mm],u [um],v [um]")
+    for a, b in zip(usual.frames, read_series(thousandths).frames, strict=True):
+        np.testing.assert_allclose(a.displacement, b.displacement, atol=1e-6)
+    with pytest.raises(DicError, match="in different units"):
+        read_series(write(tmp_path / "px", fields(), header="x [mm],y [mm],u [px],v [px]"))
+
+
 def test_points_of_a_held_edge_that_stand_still_are_measured(tmp_path):
     frames = fields()
     for u in frames:

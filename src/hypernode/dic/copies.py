@@ -1,12 +1,12 @@
 """Displacements that are equal to the last bit: of no measurement, since noise never repeats."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 import scipy.ndimage
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.series import Frame
@@ -66,12 +66,14 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     findings = _said(frames, copy_of, inserted, timed)
     findings += _reference_again(frames)
     cleaned, stuck = [frames[0]], {}
+    since = np.zeros(frames[0].displacement.shape[:2], dtype=int)
     for before, k in pairwise(kept):
-        lost = _left_behind(frames[before].displacement, frames[k].displacement)
+        u = frames[k].displacement
+        since = np.where(_both(frames[before].displacement == u), since, k)
+        lost = _left_behind(u, {begin: frames[begin].displacement for begin in set(since.flat) - {k}}, since)
         if lost.any():
             stuck[frames[k].number] = int(lost.sum())
-        u = np.where(lost[..., None], np.nan, frames[k].displacement)
-        cleaned.append(replace(frames[k], displacement=u))
+        cleaned.append(replace(frames[k], displacement=np.where(lost[..., None], np.nan, u)))
     if stuck:
         worst = max(stuck, key=stuck.get)
         findings += (
@@ -192,19 +194,26 @@ def _motion(before: Field, after: Field) -> tuple[float, float]:
     )
 
 
-def _left_behind(before: Field, after: Field) -> Bool[np.ndarray, "row column"]:
-    """Points that keep the displacement of the frame before, or have none at all, while those around them move."""
-    lost = np.zeros(after.shape[:2], dtype=bool)
+def _left_behind(
+    u: Field, earlier: Mapping[int, Field], since: Int[np.ndarray, "row column"]
+) -> Bool[np.ndarray, "row column"]:
+    """Points that keep the displacement of a frame before, or have none at all, while those around them move.
+
+    Args:
+        u: displacement of a frame.
+        earlier: number of a frame before -> its displacement.
+        since: number of the frame since which each point stands.
+    """
+    lost, known = np.zeros(u.shape[:2], dtype=bool), _both(np.isfinite(u))
     # Zero is the reference's displacement, with which a program fills up what it could not find.
-    for origin, still in ((np.nan_to_num(before), _both(before == after)), (0.0, _both(after == 0.0))):
-        if not still.any():
-            continue
-        known = _both(np.isfinite(after))
-        found = _smooth(after - origin, known & ~still & _both(np.isfinite(before)))
+    origins = [(field, since == begin) for begin, field in earlier.items()]
+    for origin, still in (*origins, (np.zeros_like(u), _both(u == 0.0))):
+        still = known & still
+        found = _smooth(u - origin, known & ~still & _both(np.isfinite(origin))) if still.any() else None
         if found is not None:
             smooth, scatter = found
             behind = (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
             # A program fails at regions: what hangs together with such a point failed as well, however little it moves.
-            regions, _ = scipy.ndimage.label(known & still, np.ones((3, 3)))
-            lost |= known & still & np.isin(regions, regions[known & still & behind])
+            regions, _ = scipy.ndimage.label(still, np.ones((3, 3)))
+            lost |= still & np.isin(regions, regions[still & behind])
     return lost

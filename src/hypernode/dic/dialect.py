@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 #: How a number that is none is written, in lower case.
-NOT_A_NUMBER = ("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch", "na")
+NOT_A_NUMBER = (
+    *("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch"),
+    *("na", "n/a", "#n/a", "nil", "null", "none", "-", "--", "---", "*"),
+)
 
 
 @dataclass(frozen=True)

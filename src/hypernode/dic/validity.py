@@ -18,6 +18,8 @@ _BELOW_ZERO = (
     *("sigma", "match", "confidence", "quality", "score", "chi", "chi2", "residual"),
     *("status", "status_flag", "statusflag", "state", "flag", "iteration", "iterations"),
 )
+#: Of these columns, which are zero at no point that was found.
+_CORRELATION = ("zncc", "ncc", "corr", "corrcoef", "correlation", "correlation coefficient")
 #: Columns of which zero does as well.
 _ZERO = ("converged", "convergence_flag", "valid", "is_valid", "isvalid", "validity", "success", "ok", "good")
 #: Words of failed points in such columns.
@@ -65,5 +67,9 @@ def failed(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, R
             default if end is None else end for end, default in zip(valid[name], (-np.inf, np.inf), strict=True)
         )
         return ~((values >= low) & (values <= high))
-    lost = ~(values > 0.0) if name.strip().lower() in _ZERO else ~(values >= 0.0)
+    name = name.strip().lower()
+    lost = ~(values > 0.0) if name in _ZERO else ~(values >= 0.0)
+    # A frame that is compared with itself has no residual anywhere.
+    if name in _CORRELATION and (values == 0.0).mean() < 0.5:
+        lost |= values == 0.0
     return np.zeros(len(values), dtype=bool) if lost.all() else lost

@@ -73,8 +73,10 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
     shear, stretch = H[0, 1] + H[1, 0], np.diag(H)
     least = max(LEAST_STRAIN, _CHANCE * max(float(each.uncertainty.max()) for each in pair))
     if max(abs(shear), np.abs(stretch).max()) < least:
-        size = f"{max(abs(shear), np.abs(stretch).max()):.2g}"
-        return None, f"the sheet hardly deforms: its largest mean strain is {size}"
+        size = f"its largest mean strain is {max(abs(shear), np.abs(stretch).max()):.2g}"
+        if least > LEAST_STRAIN:
+            return None, f"end lines scatter by more than the sheet deforms: {size}, known to {least / _CHANCE:.2g}"
+        return None, f"the sheet hardly deforms: {size}"
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:

@@ -194,7 +194,9 @@ def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed
         try:
             samples.append([parse_number(cells[k], decimal) * factor for k, factor in columns])
         except ValueError:
-            raise DicError(f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}") from None
+            raise DicError(
+                f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}: delete lines that hold none"
+            ) from None
         if not np.isfinite(samples[-1]).all():
             raise DicError(f"{table.path}:{line}: not finite: {','.join(cells)[:60]!r}")
         if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
