@@ -90,6 +90,29 @@ def test_displacements_in_another_unit_of_length_than_positions_are_taken_in_it(
         read_series(write(tmp_path / "px", fields(), header="x [mm],y [mm],u [px],v [px]"))
 
 
+@pytest.mark.parametrize(
+    ("column", "yes", "no"), [("outlier", "True", "False"), ("failed", "1", "0"), ("ok", "0", "1")]
+)
+def test_columns_that_say_yes_of_failed_points_and_no_of_found_ones(tmp_path, column, yes, no):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), yes, no).astype(object)]  # noqa: E731
+    series = read_series(write(tmp_path, frames, header=f"{HEADER},{column}", more=more))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_a_table_in_mm_with_a_column_sigma_is_no_export_in_pixels_whose_y_points_down(tmp_path):
+    frames = fields()
+    series = read_series(write(tmp_path, frames, header=HEADER + ",sigma", more=lambda k, u: [0.01 + 0.0 * u[..., 0]]))
+    np.testing.assert_allclose(series.frames[5].displacement, frames[5], atol=1e-6)
+
+
+def test_a_frame_in_which_every_point_is_lost_is_no_reference(tmp_path):
+    frames = fields()
+    frames[5][:] = np.nan
+    assert not read_series(write(tmp_path, frames)).findings
+
+
 def test_points_of_a_held_edge_that_stand_still_are_measured(tmp_path):
     frames = fields()
     for u in frames:

@@ -102,8 +102,9 @@ def _equal(before: Field, after: Field) -> bool:
 
 def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:
     """A sentence where frames without any displacement follow the reference, although others have noise."""
-    still = [k for k, frame in enumerate(frames) if k and not np.nan_to_num(frame.displacement).any()]
-    noisy = [frame for k, frame in enumerate(frames) if k and k not in still]
+    known = [np.isfinite(frame.displacement) for frame in frames]
+    still = [k for k, frame in enumerate(frames) if k and known[k].any() and not frame.displacement[known[k]].any()]
+    noisy = [frame for k, frame in enumerate(frames) if k and k not in still and known[k].any()]
     if not still or not any(_has_noise(f.displacement, _both(np.isfinite(f.displacement))) for f in noisy):
         return ()
     return (

@@ -22,6 +22,8 @@ _BELOW_ZERO = (
 _CORRELATION = ("zncc", "ncc", "corr", "corrcoef", "correlation", "correlation coefficient")
 #: Columns of which zero does as well.
 _ZERO = ("converged", "convergence_flag", "valid", "is_valid", "isvalid", "validity", "success", "ok", "good")
+#: Columns that mark failed points by any number above zero, or a word that says yes.
+_FAILS = ("failed", "fail", "invalid", "is_invalid", "outlier", "is_outlier", "bad", "lost", "rejected")
 #: Words of failed points in such columns.
 _FAILED = {"false", "f", "no", "n", "fail", "failed", "invalid", "bad", "lost", "error", "nok", "not converged"}
 
@@ -31,7 +33,7 @@ Range = tuple[float | None, float | None]
 
 def known_columns(names: list[str]) -> dict[str, int]:
     """Name -> index of the columns of a header, without units, that are known to mark failed points."""
-    return {name: k for k, name in enumerate(names) if name.strip().lower() in _BELOW_ZERO + _ZERO}
+    return {name: k for k, name in enumerate(names) if name.strip().lower() in _BELOW_ZERO + _ZERO + _FAILS}
 
 
 def named_columns(path: Path, line: int, names: list[str], valid: Mapping[str, Range]) -> dict[str, int]:
@@ -68,7 +70,7 @@ def failed(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, R
         )
         return ~((values >= low) & (values <= high))
     name = name.strip().lower()
-    lost = ~(values > 0.0) if name in _ZERO else ~(values >= 0.0)
+    lost = ~(values > 0.0) if name in _ZERO else values > 0.0 if name in _FAILS else ~(values >= 0.0)
     # A frame that is compared with itself has no residual anywhere.
     if name in _CORRELATION and (values == 0.0).mean() < 0.5:
         lost |= values == 0.0

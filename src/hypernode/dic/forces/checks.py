@@ -37,6 +37,7 @@ class ForceLimits:
             on between two samples.
         jump_over_neighbours: a step between two samples over the largest of three before and after it. A steep curve
             or a slow recorder doubles it; a unit multiplies it by 9 at least.
+        samples_of_a_jump: fewest steps between samples among which one may stand out.
         jump_share: a step over the largest force; smaller ones are contact, stick and slip.
         stiffening, impossible_stiffening: largest over smallest secant stiffness of the steps beyond the first. Rubber
             has 3, skin 30; only a unit or a wrong channel has 300.
@@ -56,6 +57,7 @@ class ForceLimits:
     goes_on: float = 1.25
     unit_jump: float = 0.05
     jump_over_neighbours: float = 5.0
+    samples_of_a_jump: int = 8
     jump_share: float = 0.2
     stiffening: float = 30.0
     impossible_stiffening: float = 300.0
@@ -165,6 +167,29 @@ def check_rest(
             "material is then taken without, --set force_offset=0; or is the sheet pulled already, so that the clocks "
             "differ, --set first_frame_time=SECONDS?",
             True,
+        )
+    ]
+
+
+def check_jumps(
+    time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The force [N] does not jump between two samples by far more than between those around them, to stay or back."""
+    steps = np.abs(np.diff(force))
+    padded = np.pad(steps, 3)
+    around = np.max([padded[k : k + len(steps)] for k in (0, 1, 5, 6)], axis=0)
+    usual = np.median(steps[steps > 0.0]) if steps.any() else 0.0
+    least = np.maximum(limits.jump_over_neighbours * np.maximum(around, usual), limits.least_rise * np.abs(force).max())
+    jumps = np.flatnonzero(steps > least)
+    if len(steps) < limits.samples_of_a_jump or not len(jumps):
+        return []
+    at = jumps[0]
+    return [
+        Finding(
+            f"the force jumps from {force[at]:.4g} to {force[at + 1]:.4g} N at {time[at + 1]:.4g} s, by more than "
+            f"{limits.jump_over_neighbours:g} times what it does before and after: a spike, a slip, or a zero that was "
+            "set anew; --set 'frames=[...]' chooses load steps elsewhere",
+            False,
         )
     ]
 

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import Finding, check_reach, check_rest, check_rise, check_units
+from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
 from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
@@ -229,7 +229,7 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: 
     reached = pull.reached(numbers[seen])
     forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)
     findings = check_rise(course[seen][reached], forces)
-    findings += check_units(pull.time, pull.force)
+    findings += check_units(pull.time, pull.force) or check_jumps(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
     return findings + (check_rest(forces, explained) if reached[0] else [])
 
