@@ -70,7 +70,7 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     for before, k in pairwise(kept):
         u = frames[k].displacement
         since = np.where(_both(frames[before].displacement == u), since, k)
-        lost = _left_behind(u, {begin: frames[begin].displacement for begin in set(since.flat) - {k}}, since)
+        lost = _left_behind(u, {begin: frames[begin].displacement for begin in np.unique(since[since < k])}, since)
         if lost.any():
             stuck[frames[k].number] = int(lost.sum())
         cleaned.append(replace(frames[k], displacement=np.where(lost[..., None], np.nan, u)))
