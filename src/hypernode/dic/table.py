@@ -70,16 +70,17 @@ def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) ->
         return None
     if layout.decimal == ",":
         text = text.replace(",", ".")
-    table = _loaded(text, sign, columns)
-    return _loaded(_filled(text, sign), sign, columns) if table is None and blanks and sign != " " else table
+        rows = text.split("\n")
+    table = _loaded(rows, sign, columns)
+    return (
+        _loaded(_filled(text, sign).split("\n"), sign, columns) if table is None and blanks and sign != " " else table
+    )
 
 
-def _loaded(text: str, sign: str, columns: list[int]) -> np.ndarray | None:
+def _loaded(rows: list[str], sign: str, columns: list[int]) -> np.ndarray | None:
     """Columns of numbers; None where a cell holds none."""
     try:
-        return np.loadtxt(
-            text.split("\n"), delimiter=None if sign == " " else sign, usecols=columns, comments=None, ndmin=2
-        )
+        return np.loadtxt(rows, delimiter=None if sign == " " else sign, usecols=columns, comments=None, ndmin=2)
     except ValueError:
         return None
 
