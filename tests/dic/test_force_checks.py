@@ -231,3 +231,9 @@ def ramp(change=lambda time, force: force):
 )
 def test_a_jump_that_stands_alone_is_said_and_no_noise_steps_or_limits(change, said):
     assert bool(check_jumps(*ramp(change))) == said
+
+
+def test_what_a_force_grows_by_in_a_gap_is_no_jump():
+    time, force = ramp()
+    kept = (time < 4.0) | (time > 7.0)
+    assert check_jumps(time[kept], force[kept]) == []

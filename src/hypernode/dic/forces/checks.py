@@ -180,7 +180,9 @@ def check_jumps(
     around = np.max([padded[k : k + len(steps)] for k in (0, 1, 5, 6)], axis=0)
     usual = np.median(steps[steps > 0.0]) if steps.any() else 0.0
     least = np.maximum(limits.jump_over_neighbours * np.maximum(around, usual), limits.least_rise * np.abs(force).max())
-    jumps = np.flatnonzero(steps > least)
+    # Across a gap the force goes on, and by as much as it is long.
+    apart = np.diff(time)
+    jumps = np.flatnonzero((steps > least) & (apart < 2.0 * np.median(apart)))
     if len(steps) < limits.samples_of_a_jump or not len(jumps):
         return []
     at = jumps[0]
