@@ -204,7 +204,10 @@ SITUATIONS = {
     ),
     "two cycles": Situation(two_cycles, said="pulled 2 times", elongation=lambda number: STEP * CYCLES[number]),
     "notches at the edges": Situation(
-        with_hole(lambda x, y: (np.abs(y - 6.0) < 0.5) & (np.abs(x - 6.0) > 2.5)), said="declare it, hole", lost=8
+        with_hole(lambda x, y: (np.abs(y - 6.0) < 0.5) & (np.abs(x - 6.0) > 2.5)),
+        said="declare it, hole",
+        lost=8,
+        sentences=2,
     ),
     "clock times in the record": Situation(of_record(row=lambda t, way, f: f"{clocked(t)},{way:.5f},{f:.6f}")),
 }
