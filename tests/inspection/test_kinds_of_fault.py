@@ -236,3 +236,9 @@ def test_a_pairing_that_nothing_tells_is_uncertain_by_a_frame(folder):
     case = plain(folder, np.linspace(0.0, 2.0, 41), sizes=sizes, crosshead=False).sheet.cases[0]
     slope = (force_at(sizes[2]) - force_at(sizes[1])) / force_at(sizes[2])
     assert case.pairing[-1] == pytest.approx(slope / np.sqrt(12.0), rel=0.05)
+
+
+@pytest.mark.parametrize("law", [lambda e: np.expm1(20.0 * e), lambda e: e**2, lambda e: np.tanh(e / 0.02)])
+def test_a_sheet_that_stiffens_or_yields_at_once_is_no_lag_of_clocks(folder, law):
+    found = plain(folder, force=0.5 * law(0.025 * TIME), crosshead=False)
+    assert "the force begins" not in said(found)

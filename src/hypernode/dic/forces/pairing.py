@@ -19,6 +19,9 @@ _FEWEST, _BEGIN = 5, 6
 _TOE = 0.2
 #: Least lag in frames, and in standard deviations, that is said.
 _SAID, _DEVIATIONS = 0.25, 4.0
+#: Largest lag in frames that the curve tells: clocks that are further apart show otherwise, and the curve of a sheet that
+#: yields at once begins nowhere.
+_FARTHEST = 5.0
 #: Uncertainty of a lag that nothing tells, in frames: anywhere within one.
 _UNTOLD = 1.0 / np.sqrt(12.0)
 #: Smallest uncertainty in frames: shutters and recorders have their own delays.
@@ -82,7 +85,7 @@ def pairing_of(test: SpecimenTest, pull: PullRecord, series: Series, part: Compo
     interval = float(np.median(np.diff(time))) if len(time) > 1 else 1.0
     lag = _of_curve(strain, time, pull.forces(numbers)) if len(numbers) else None
     named = pull.image is not None
-    if lag is None:
+    if lag is None or abs(lag[0]) > _FARTHEST * interval:
         return Pairing(0.0, 0.0 if named else _UNTOLD * interval, interval, named)
     given = test.picture_shift is not None if named else test.force_time_offset not in (None, "estimate")
     return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named)
