@@ -19,8 +19,8 @@ _FEWEST, _BEGIN = 5, 6
 _TOE = 0.2
 #: Least lag in frames, and in standard deviations, that is said.
 _SAID, _DEVIATIONS = 0.25, 4.0
-#: Largest lag in frames that the curve tells: clocks that are further apart show otherwise, and the curve of a sheet that
-#: yields at once begins nowhere.
+#: Largest lag in frames that the curve tells: clocks that are further apart show otherwise, and the curve of a sheet
+#: that yields at once begins nowhere.
 _FARTHEST = 5.0
 #: Uncertainty of a lag that nothing tells, in frames: anywhere within one.
 _UNTOLD = 1.0 / np.sqrt(12.0)

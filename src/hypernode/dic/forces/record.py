@@ -201,8 +201,8 @@ def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed
             raise DicError(f"{table.path}:{line}: not finite: {','.join(cells)[:60]!r}")
         if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
             raise DicError(
-                f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s: delete rows that "
-                "are of another test, or name a column that goes on, --set time_channel=NAME"
+                f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s: delete rows "
+                "that are of another test, or name a column that goes on, --set time_channel=NAME"
             )
     return np.array(samples)
 
