@@ -32,6 +32,7 @@ class Points:
         displacement: NaN where lost.
         line: of each point in its file.
         unit: ``pixel`` or ``mm``.
+        moving: words of the command line that say that positions are in the deformed sheet.
     """
 
     path: Path
@@ -42,6 +43,7 @@ class Points:
     time: float | None = None
     force: float | None = None
     crosshead: float | None = None
+    moving: str = ""
 
 
 def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dialect) -> tuple[str, float, float]:
@@ -59,12 +61,7 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     if not named and dialect.content == "arrays":
         raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
-        columns = ", ".join(f"{role}: {getattr(dialect, role)[0]!r}" for role in "xyuv")
-        sign = "" if dialect.layouts[0][0] == "," else f", delimiter: {dialect.layouts[0][0]!r}"
-        raise DicError(
-            f'{path}: no unit is named: say --set format=table --set "table={{{columns}{sign}, unit: mm}}", or unit: '
-            "pixel"
-        )
+        raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
     unknown = sorted(name for name in named.values() if name.lower() not in UNITS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
@@ -118,7 +115,8 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     if dialect.preamble_force:
         found = [match[1] for text in preamble if (match := re.search(dialect.preamble_force, text))]
         force = float(found[0]) if found else None
-    return Points(path, position[keep], u[keep], line[keep], unit, time, force)
+    moving = dialect.option(unit=unit, deformed="true")
+    return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
 
 
 def _all(components: np.ndarray) -> np.ndarray:
