@@ -101,6 +101,18 @@ def test_columns_that_say_yes_of_failed_points_and_no_of_found_ones(tmp_path, co
     assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
 
 
+@pytest.mark.parametrize(("sheet", "bounds"), [(1, (1.0, None)), (0, (None, 0.0))])
+def test_whether_a_mask_is_the_sheet_or_what_is_cut_away_is_asked(tmp_path, sheet, bounds):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), 1 - sheet, sheet)]  # noqa: E731
+    folder = write(tmp_path, frames, header=f"{HEADER},mask", more=more)
+    with pytest.raises(DicError, match=r"frame0005.csv:1: .* --set 'valid=\{mask: \[1, null\]\}'"):
+        read_series(folder)
+    series = read_series(folder, declared=Declared(valid={"mask": bounds}))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
 def test_a_table_in_mm_with_a_column_sigma_is_no_export_in_pixels_whose_y_points_down(tmp_path):
     frames = fields()
     series = read_series(write(tmp_path, frames, header=HEADER + ",sigma", more=lambda k, u: [0.01 + 0.0 * u[..., 0]]))

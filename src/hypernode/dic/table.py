@@ -10,7 +10,7 @@ from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
 from hypernode.dic.text import read_text, shown
-from hypernode.dic.validity import failed, known_columns, named_columns, value_of
+from hypernode.dic.validity import failed, known_columns, named_columns, question, value_of
 
 _WORDS = {"true": 1.0, "false": 0.0}
 
@@ -42,6 +42,9 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
         raise DicError(f"{path}:{number[-1]}: {len(rows)} points, the first line promises {layout.rows}: export again")
     names = layout.names
     units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
+    for name, values in zip(marks, marked.T, strict=True):
+        if asked := question(name, values, dialect.valid):
+            raise DicError(f"{path}:{layout.header + 1}: {asked}")
     lost = [failed(name, values, dialect.valid) for name, values in zip(marks, marked.T, strict=True)]
     cells = {role: table[:, k] for k, role in enumerate(roles)}
     cells["failed"] = np.any(lost, axis=0) if lost else np.zeros(len(rows), dtype=bool)
