@@ -49,3 +49,21 @@ def test_a_graded_grid_that_is_strained_evenly_has_none():
     mesh = rectilinear(lines, lines)
     u = (mesh.nodes @ np.array([[0.3, 0.1], [0.0, 0.2]]))[None]
     assert not outliers(mesh, u, np.full((1, 2), 1e-9)).any()
+
+
+def test_points_at_the_tip_of_a_notch_are_kept_and_one_that_is_off_in_a_single_step_is_found():
+    """A slit in from the left opens with the square root of the distance from its tip, in proportion to the load."""
+    mesh, steps = rectilinear(np.arange(21.0), np.arange(21.0)), np.array([0.05, 0.1, 0.15, 0.2])
+    x, y = (mesh.nodes - [4.0, 10.0]).T
+    missing = (x <= 0.0) & (y == 0.0)
+    opening = np.sqrt(np.hypot(x, y)) * np.sin(0.5 * np.arctan2(y, x))
+    u = np.stack([0.0 * steps[:, None] * x, steps[:, None] * (mesh.nodes[:, 1] + 3.0 * opening)], axis=-1)
+    u += np.random.default_rng(5).normal(0.0, 4 * NOISE, u.shape)
+    u[:, missing] = np.nan
+    level = np.full((4, 2), 4 * NOISE)
+    assert not outliers(mesh, u, level).any()
+    beside = int(np.flatnonzero((x == -1.0) & (y == 1.0))[0])
+    u[1, beside] += 100.0 * NOISE
+    found = outliers(mesh, u, level)
+    # A neighbour at the rim may go with it.
+    assert found[1, beside] and found.sum() <= 2

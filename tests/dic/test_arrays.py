@@ -1,5 +1,6 @@
 """Frames of one file of arrays."""
 
+import netCDF4
 import numpy as np
 import pytest
 import scipy.io
@@ -8,6 +9,7 @@ from hypernode.config.specimens import Specimen
 from hypernode.dic.errors import DicError
 from hypernode.dic.load_case import import_load_case
 from hypernode.dic.reading import read_test
+from hypernode.inspection.folder import inspect
 
 from .pulls import LINES, fields
 
@@ -40,9 +42,78 @@ def test_a_matlab_file_with_names_of_its_own_is_read(tmp_path):
 
 
 def test_arrays_without_unit_and_of_odd_shapes_are_refused_with_the_way_out(tmp_path):
-    np.savez(tmp_path / "pull.npz", **arrays())
+    np.savez(tmp_path / "pull.npz", **arrays(names=("positions", "DIC_disp", "force")))
     with pytest.raises(DicError, match=r"arrays=.unit: mm"):
         read_test(specimen(tmp_path))
     np.savez(tmp_path / "pull.npz", **arrays() | {"DIC_disp": np.zeros((9, 7, 2))})
     with pytest.raises(DicError, match=r"shape \(9, 7, 2\) for 169 points"):
         read_test(specimen(tmp_path, arrays={"unit": "mm"}))
+
+
+def images(**more):
+    """Arrays by rows and columns, as a data set of images has them, with the way of the crosshead."""
+    flat, side = arrays(), len(LINES)
+    return {
+        "DIC_X": flat["DIC_X"].reshape(side, side, 2),
+        "DIC_disp": flat["DIC_disp"].reshape(9, side, side, 2),
+        "instron_force": flat["instron_force"],
+        "instron_disp": 12.0 * 0.02 * np.arange(9.0),
+        "label": (flat["DIC_X"].reshape(side, side, 2)[..., 0] > 5.0).astype(int),
+        **more,
+    }
+
+
+def hdf5(path, values):
+    with netCDF4.Dataset(path, "w") as file:
+        for name, value in values.items():
+            value = np.asarray(value)
+            axes = [f"{name}_{k}" for k in range(value.ndim)]
+            for axis, size in zip(axes, value.shape, strict=True):
+                file.createDimension(axis, size)
+            file.createVariable(name, value.dtype, axes)[...] = value
+    return path
+
+
+@pytest.mark.parametrize(
+    "write", [lambda path, values: np.savez(f"{path}.npz", **values), lambda p, v: hdf5(f"{p}.h5", v)]
+)
+def test_arrays_by_rows_and_columns_are_read_without_a_key_and_their_crosshead_is_compared(tmp_path, write):
+    size = {"width": 12.0, "height": 12.0, "thickness": 1.0}
+    write(tmp_path / "pull", images())
+    found = inspect(tmp_path, size)
+    case = found.sheet.cases[0]
+    assert case.stretch[-1] == pytest.approx(1.16, abs=0.002) and case.force[1, 1][-1] == pytest.approx(4.0)
+    assert not found.known.missing and found.cycle.record.displacement[-1, 0] == pytest.approx(1.92)
+    assert any("'label' names 2 kinds" in each for each in found.field.said)
+    write(tmp_path / "pull", images(instron_disp=120.0 * 0.02 * np.arange(9.0)))
+    (missing,) = inspect(tmp_path, size).known.missing
+    assert "the crosshead moves by" in missing.sentence and "(10)" in missing.sentence
+
+
+def test_hdf5_of_one_frame_after_another_and_of_any_order_of_axes(tmp_path):
+    hdf5(tmp_path / "pull.hdf5", {k: np.asarray(v).T for k, v in images().items() if k != "label"})
+    series = read_test(specimen(tmp_path))
+    assert len(series.frames) == 9
+    np.testing.assert_allclose(series.frames[8].displacement, np.swapaxes(fields()[8], 0, 0), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pull.npz", "pull.h5", "pull.mat"])
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
+def test_a_file_of_arrays_that_is_cut_off_is_refused_as_such(tmp_path, name, share):
+    path = tmp_path / name
+    if name == "pull.npz":
+        np.savez(path, **images())
+    elif name == "pull.h5":
+        hdf5(path, images())
+    else:
+        scipy.io.savemat(path, images())
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    for chosen in ("arrays", "auto"):
+        with pytest.raises(DicError, match=f"{name}: cannot be read as arrays"):
+            read_test(specimen(tmp_path, format=chosen))
+
+
+def test_arrays_of_unknown_names_are_listed_with_the_key_that_says_which_they_are(tmp_path):
+    np.savez(tmp_path / "pull.npz", **arrays(names=("P", "D", "N")))
+    with pytest.raises(DicError, match=r"holds the arrays 'D', 'N', 'P': say which are what, --set 'arrays=\{"):
+        read_test(specimen(tmp_path))

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import check_end, check_reach, check_rise, check_stiffness, check_units
+from hypernode.dic.forces.checks import check_end, check_jumps, check_reach, check_rise, check_units
 from hypernode.dic.forces.clock import agreed_offset, check_clock, estimate_offsets
+from hypernode.dic.forces.magnitude import check_stiffness
 from hypernode.stages import import_dic
 from hypernode.storage.netcdf import read
 from tests.dic.test_davis import config as specimen_config
@@ -208,3 +209,31 @@ def test_the_configuration_takes_seconds_or_estimate_only(tmp_path):
     assert keys.force_time_offset == 2.0
     with pytest.raises(ValueError, match="force_time_offset"):
         specimen_config(tmp_path, force_time_offset="guess")
+
+
+def ramp(change=lambda time, force: force):
+    time = np.linspace(0.0, 10.0, 101)
+    return time, change(time, 0.3 * np.maximum(time - 1.0, 0.0) ** 0.8)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda t, f: f, False),
+        (lambda t, f: np.round(f, 1), False),
+        (lambda t, f: f[10 * (np.arange(101) // 10)], False),
+        (lambda t, f: f + np.random.default_rng(1).normal(0.0, 0.05, 101), False),
+        (lambda t, f: np.minimum(f, 1.2), False),
+        (lambda t, f: np.where(np.arange(101) == 50, 4.0 * f, f), True),
+        (lambda t, f: f - 0.3 * (t > 5.05), True),
+    ],
+    ids=["smooth", "coarse", "in steps", "noisy", "clipped", "a spike", "a zero set anew"],
+)
+def test_a_jump_that_stands_alone_is_said_and_no_noise_steps_or_limits(change, said):
+    assert bool(check_jumps(*ramp(change))) == said
+
+
+def test_what_a_force_grows_by_in_a_gap_is_no_jump():
+    time, force = ramp()
+    kept = (time < 4.0) | (time > 7.0)
+    assert check_jumps(time[kept], force[kept]) == []

@@ -49,6 +49,82 @@ def test_a_block_that_stands_still_while_the_sheet_moves_is_lost(tmp_path, value
     assert "60 displacements in 3 frames" in finding and "count as lost" in finding
 
 
+def test_what_hangs_together_with_points_that_stand_still_is_lost_where_it_hardly_moves(tmp_path):
+    frames, place = fields(), np.s_[0:5, 4:9]
+    for k in (6, 7):
+        frames[k][place] = frames[5][place]
+    series = read_series(write(tmp_path, frames))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 6 + [25, 25, 0]
+
+
+def test_a_block_that_stands_still_while_the_sheet_creeps_is_lost_once_the_others_are_ahead_of_it(tmp_path):
+    frames = fields(steps=0.2 + 0.0008 * np.arange(1, 13))
+    for k in range(4, 13):
+        frames[k][BLOCK] = frames[3][BLOCK]
+    series = read_series(write(tmp_path, frames))
+    assert (lost(series, 12) == block()).all() and not lost(series, 3).any()
+
+
+@pytest.mark.parametrize("number", [-999.0, 1e30])
+def test_a_number_that_stands_for_none_is_no_displacement(tmp_path, number):
+    frames = fields()
+    frames[5][BLOCK] = number
+    series = read_series(write(tmp_path, frames))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_a_correlation_of_zero_is_that_of_a_point_that_was_not_found(tmp_path):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), 0.0, 0.98 * (k > 0))]  # noqa: E731
+    series = read_series(write(tmp_path, frames, header=HEADER + ",corrcoef", more=more))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_displacements_in_another_unit_of_length_than_positions_are_taken_in_it(tmp_path):
+    usual = read_series(write(tmp_path / "mm", fields()))
+    thousandths = write(tmp_path / "um", [1e3 * u for u in fields()], header="x [mm],y [mm],u [um],v [um]")
+    for a, b in zip(usual.frames, read_series(thousandths).frames, strict=True):
+        np.testing.assert_allclose(a.displacement, b.displacement, atol=1e-6)
+    with pytest.raises(DicError, match="in different units"):
+        read_series(write(tmp_path / "px", fields(), header="x [mm],y [mm],u [px],v [px]"))
+
+
+@pytest.mark.parametrize(
+    ("column", "yes", "no"), [("outlier", "True", "False"), ("failed", "1", "0"), ("ok", "0", "1")]
+)
+def test_columns_that_say_yes_of_failed_points_and_no_of_found_ones(tmp_path, column, yes, no):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), yes, no).astype(object)]  # noqa: E731
+    series = read_series(write(tmp_path, frames, header=f"{HEADER},{column}", more=more))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+@pytest.mark.parametrize(("sheet", "bounds"), [(1, (1.0, None)), (0, (None, 0.0))])
+def test_whether_a_mask_is_the_sheet_or_what_is_cut_away_is_asked(tmp_path, sheet, bounds):
+    frames = fields()
+    frames[5][BLOCK] += 1.0
+    more = lambda k, u: [np.where(block() & (k == 5), 1 - sheet, sheet)]  # noqa: E731
+    folder = write(tmp_path, frames, header=f"{HEADER},mask", more=more)
+    with pytest.raises(DicError, match=r"frame0005.csv:1: .* --set 'valid=\{mask: \[1, null\]\}'"):
+        read_series(folder)
+    series = read_series(folder, declared=Declared(valid={"mask": bounds}))
+    assert [lost(series, k).sum() for k in range(9)] == [0] * 5 + [20, 0, 0, 0]
+
+
+def test_a_table_in_mm_with_a_column_sigma_is_no_export_in_pixels_whose_y_points_down(tmp_path):
+    frames = fields()
+    series = read_series(write(tmp_path, frames, header=HEADER + ",sigma", more=lambda k, u: [0.01 + 0.0 * u[..., 0]]))
+    np.testing.assert_allclose(series.frames[5].displacement, frames[5], atol=1e-6)
+
+
+def test_a_frame_in_which_every_point_is_lost_is_no_reference(tmp_path):
+    frames = fields()
+    frames[5][:] = np.nan
+    assert not read_series(write(tmp_path, frames)).findings
+
+
 def test_points_of_a_held_edge_that_stand_still_are_measured(tmp_path):
     frames = fields()
     for u in frames:

@@ -118,6 +118,14 @@ def test_identify_refuses_what_cannot_be_imported_before_it_writes_or_runs(folde
     assert [path.name for path in tmp_path.iterdir()] == ["pull"]
 
 
+@pytest.mark.parametrize("command", ["inspect", "identify"])
+def test_names_with_braces_are_refused_by_both_commands_alike(command, folder, capsys):
+    named = folder.rename(folder.parent / "pull{1}")
+    assert cli.main([command, str(named), *WORDS]) == {"inspect": 1, "identify": 2}[command]
+    said = " ".join(capsys.readouterr().out.split())
+    assert "cannot name a file with braces" in said and "it cannot be imported yet" in said
+
+
 def test_an_installation_without_its_workflow_says_so(folder, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(identify, "project_folder", lambda: None)
     assert cli.main(["identify", "pull", *WORDS]) == 2

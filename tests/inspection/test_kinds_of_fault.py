@@ -1,9 +1,12 @@
 """Faults of records as people bring them: each is read aright, named, or asked for, and none passes in silence."""
 
+import re
+
 import numpy as np
 import pytest
 
 from hypernode.inspection.folder import inspect
+from hypernode.inspection.report import report
 from tests.inspection.folders import FIELDS, GIVEN, write_frames
 
 #: Elongation of every frame, a second apart, and of every sample.
@@ -103,6 +106,30 @@ def test_a_sheet_that_moves_a_tenth_of_its_machine_is_refused(folder, factor, to
     assert inspect(folder, {**GIVEN, "crosshead": False}).sheet is not None
 
 
+@pytest.mark.parametrize(("factor", "told"), [(1.0, ""), (1.0 / 9.80665, "kilograms"), (1e3, "(1000)"), (1.1, "")])
+def test_a_force_in_another_unit_than_the_stress_beside_it_is_said(folder, factor, told):
+    force, area = force_at(0.025 * TIME), GIVEN["width"] * GIVEN["thickness"]
+    rows = [f"{t:.5f},{factor * f:.7f},{f / area:.7f}" for t, f in zip(TIME, force, strict=True)]
+    found = seen(folder, "Time (s),Force (N),Stress (MPa)", rows)
+    assert found.sheet is not None
+    assert (told in said(found) and "divides its force" in said(found)) if told else not said(found)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_thousandth_and_a_thousandfold_of_the_force_are_of_no_known_sheet(folder, factor):
+    force = factor * force_at(0.025 * TIME)
+    rows = [f"{t:.5f},{f:.9f}" for t, f in zip(TIME, force, strict=True)]
+    assert "is that of no sheet" in said(seen(folder, "Time (s),Force (N)", rows))
+
+
+def test_every_report_says_the_stiffness_that_a_force_gives(folder):
+    (line,) = [each for each in report(plain(folder)) if each.startswith("stiffness")]
+    low, high = (float(each) for each in re.search(r"one: (\S+) to (\S+) MPa", line).groups())
+    stretch = 1.0 + np.array(SIZES[1:])
+    secant = force_at(stretch - 1.0) / (GIVEN["width"] * GIVEN["thickness"] * (stretch - 1.0))
+    assert secant.min() * 0.9 < low <= high < secant.max() * 1.1
+
+
 def test_of_several_loadings_the_last_is_used_or_that_which_is_named(folder):
     sizes = (*SIZES[::2], *SIZES[-3::-2], *SIZES[2::2])
     found = plain(folder, np.linspace(0.0, len(sizes) - 1.0, 121), sizes=sizes)
@@ -172,3 +199,46 @@ def test_pictures_that_are_counted_from_one_are_those_of_frames_from_zero(folder
     found = seen(folder, "File;TimeStamp;Force [N]", rows[:-1])
     assert found.sheet is None and "--set picture_shift=N" in said(found)
     assert steps(seen(folder, "File;TimeStamp;Force [N]", rows[:-1], picture_shift=1, frames=[2, 4, 7]))[-1] == 7
+
+
+def late(seconds):
+    return np.where(seconds < TIME, force_at(0.025 * np.maximum(TIME - seconds, 0.0)), 0.0)
+
+
+@pytest.mark.parametrize("crosshead", [True, False])
+@pytest.mark.parametrize("seconds", [0.3, 1.0])
+def test_a_record_that_is_late_by_less_than_its_clocks_tell_is_said_with_the_lag(folder, seconds, crosshead):
+    found = plain(folder, force=late(seconds), crosshead=crosshead)
+    told = float(re.search(r"--set force_time_offset=([0-9.]+) takes", said(found))[1])
+    assert told == pytest.approx(seconds, abs=0.06)
+    assert steps(plain(folder, force=late(seconds), force_time_offset=seconds, frames=[2, 4, 6]))
+
+
+def test_pictures_that_are_named_a_number_too_early_are_said_where_their_number_does_not_show_it(folder):
+    rows = [f"Image_{k:04d}_0.tiff;{k:.3f};{force_at(e):.5f}" for k, e in enumerate((0.0, *SIZES[:-1]))]
+    assert "--set picture_shift=1 takes them so" in said(seen(folder, "File;TimeStamp;Force [N]", rows))
+    found = seen(folder, "File;TimeStamp;Force [N]", rows, picture_shift=1, frames=[2, 4, 7])
+    assert steps(found)[-1] == 7 and not said(found)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05, -0.05])
+def test_uncertain_pairing_covers_what_a_small_lag_makes_of_the_force(folder, seconds):
+    shifted = force_at(0.025 * np.maximum(TIME - seconds, 0.0))
+    case = plain(folder, force=shifted, crosshead=False).sheet.cases[0]
+    true = force_at(np.array(SIZES)[case.numbers])
+    wrong = np.abs(case.force[1, 1] / true - 1.0)
+    assert (wrong < 2.0 * case.pairing).all() and (case.pairing < 0.05).all()
+    assert case.pairing[0] > case.pairing[-1] > 0.0
+
+
+def test_a_pairing_that_nothing_tells_is_uncertain_by_a_frame(folder):
+    sizes = SIZES[::3]
+    case = plain(folder, np.linspace(0.0, 2.0, 41), sizes=sizes, crosshead=False).sheet.cases[0]
+    slope = (force_at(sizes[2]) - force_at(sizes[1])) / force_at(sizes[2])
+    assert case.pairing[-1] == pytest.approx(slope / np.sqrt(12.0), rel=0.05)
+
+
+@pytest.mark.parametrize("law", [lambda e: np.expm1(20.0 * e), lambda e: e**2, lambda e: np.tanh(e / 0.02)])
+def test_a_sheet_that_stiffens_or_yields_at_once_is_no_lag_of_clocks(folder, law):
+    found = plain(folder, force=0.5 * law(0.025 * TIME), crosshead=False)
+    assert "the force begins" not in said(found)

@@ -12,7 +12,6 @@ from hypernode.commands.options import UsageError, add_folder_options
 from hypernode.errors import ExpectedError
 from hypernode.installation import needs, project_folder
 from hypernode.pipeline.liveness import at_work
-from hypernode.pipeline.sources import without_braces
 
 #: What the project itself says during a run: progress of a stage, jobs that are done, refusals.
 _OWN = re.compile(r"\[[a-z][a-z_ -]*\] |error: |\d+ of \d+ steps")
@@ -53,7 +52,6 @@ def run_identify(arguments) -> int:
     if seen.sheet is None:
         print_report(arguments, seen)
         return 2
-    without_braces([str(path) for path in seen.sheet.files])
     file = arguments.write_config or Path(f"{seen.name}.yaml")
     config = write_draft(seen, file, arguments.method, arguments.config)
     if not arguments.json:

@@ -68,16 +68,21 @@ class Table(Section):
 
 
 class Arrays(Section):
-    """Arrays of a file of npz, HDF5 or MATLAB, by their usual names where left out: DIC_X, DIC_disp, instron_force."""
+    """Arrays of a file of npz, HDF5 or MATLAB, by their usual names where left out: DIC_X, DIC_disp, instron_force
+    and instron_disp."""
 
     positions: str | None = None
-    """Name of the array of positions (point, 2)."""
+    """Name of the array of positions (point, 2) or (row, column, 2)."""
     displacements: str | None = None
-    """Name of the array of displacements (frame, point, 2), the sheet at rest first."""
+    """Name of the array of displacements (frame, point, 2) or (frame, row, column, 2), the sheet at rest first."""
     force: str | None = None
     """Name of the array of forces (frame,) [N]."""
+    crosshead: str | None = None
+    """Name of the array of the crosshead's way (frame,) [mm]."""
+    time: str | None = None
+    """Name of the array of times (frame,) [s]."""
     unit: Literal["pixel", "mm"] | None = None
-    """Unit of positions and displacements, which such a file does not say."""
+    """Unit of positions and displacements, which such a file does not say; of DIC_X it is known to be mm."""
 
 
 class SpecimenTest(Section):

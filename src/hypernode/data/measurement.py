@@ -83,6 +83,13 @@ def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
     return measurement["relative_thickness"].values
 
 
+def force_uncertainty(measurement: xr.Dataset) -> Float[np.ndarray, " step"]:
+    """Relative uncertainty of the forces of every step: what is stated, and what their pairing with pictures leaves."""
+    stated = np.full(measurement.sizes["load_step"], float(measurement.attrs["force_uncertainty"]))
+    paired = measurement.get("force_pairing_uncertainty")
+    return stated if paired is None else np.hypot(stated, paired.values)
+
+
 def force_gain_uncertainty(measurement: xr.Dataset) -> float:
     """Relative uncertainty of the gain of a load cell, which all forces of one of its channels share.
 

@@ -1,6 +1,7 @@
 """Points that a camera mistook: displacements that no sheet has between its neighbours."""
 
 import numpy as np
+import scipy.ndimage
 from jaxtyping import Bool, Float
 
 from hypernode.fem.mesh import Mesh
@@ -21,6 +22,8 @@ _SHARPEST = 4.0
 _FEWEST_STEPS = 3
 #: Largest deviation at a kink, over the step of the grid times the mean strain: half of a strain that jumps by as much.
 _KINK = 0.5
+#: How unevenly what belongs to the sheet may grow with the motion: materials stiffen, and notches open.
+_UNEVEN = 0.25
 
 
 def outliers(
@@ -46,12 +49,13 @@ def outliers(
         grid[:, mesh.places] = u[..., i]
         grid = grid.reshape(len(u), len(y), len(x))
         signed = np.stack([_deviation(x, y, each) for each in grid])
-        rest = signed - _of_the_sheet(signed, grid)
+        own = _of_the_sheet(signed, grid)
+        rest = np.maximum(np.abs(signed - own) - _UNEVEN * np.abs(own), 0.0)
         for step in np.flatnonzero(noise[:, i] > 0.0):
             level, deviation = noise[step], np.abs(signed[step])
             scatter = _SCATTER * level[i]
             bent = np.maximum(_second_largest_around(deviation) - _SECOND_LARGEST * scatter, 0.0)
-            alone = np.minimum(deviation - _SHARPEST * bent, np.abs(rest[step])) > _CHANCE * scatter
+            alone = np.minimum(deviation - _SHARPEST * bent, rest[step]) > _CHANCE * scatter
             found[step] |= alone.ravel()[mesh.places]
     return found
 
@@ -61,12 +65,15 @@ def _of_the_sheet(
 ) -> Float[np.ndarray, "step row column"]:
     """What of the deviations grows with the motion in all steps, as at an interface that runs between two points.
 
-    No more than a kink of the mean strain of the sheet gives. Zero where fewer than three steps tell it.
+    No more than a kink of the mean strain of the sheet gives, but beside points that no step shows: strain has no bound
+    at the tip of a notch, and where a neighbour is missing, it is compared with those along the rim alone. Zero where
+    fewer than three steps tell it.
     """
     if len(deviation) < _FEWEST_STEPS:
         return np.zeros_like(deviation)
     moved = (np.nanmax(grid, axis=(1, 2)) - np.nanmin(grid, axis=(1, 2)))[:, None, None]
-    largest = _KINK * moved / max(grid.shape[1:])
+    beside = scipy.ndimage.binary_dilation(np.isnan(grid).all(axis=0), np.ones((3, 3)))
+    largest = np.where(beside, moved, _KINK * moved / max(grid.shape[1:]))
     share = np.median(deviation / np.where(moved > 0.0, moved, 1.0), axis=0)
     return np.clip(share * moved, -largest, largest)
 

@@ -1,6 +1,9 @@
 """Frames of one file of arrays: npz, HDF5 or MATLAB, with positions, displacements and forces under known names."""
 
+import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +12,7 @@ from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.points import Points, points_from
 from hypernode.dic.text import shown
-from hypernode.installation import needs
+from hypernode.progress import say
 
 #: Endings of such files.
 SUFFIXES = {".npz", ".h5", ".hdf5", ".mat"}
@@ -18,15 +21,22 @@ NAMES = {
     "positions": ("DIC_X", "positions", "X", "coordinates"),
     "displacements": ("DIC_disp", "displacements", "U", "disp"),
     "force": ("instron_force", "force", "F"),
+    "crosshead": ("instron_disp", "crosshead", "crosshead_displacement"),
+    "time": ("time", "instron_time", "t"),
+    "label": ("label", "labels"),
 }
+#: Arrays whose unit is known by their name.
+_MILLIMETRES = ("DIC_X",)
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+#: What readers of such files raise where one is broken.
+_BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFError, RuntimeError, zipfile.BadZipFile)
 
 
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those at the top.
 
     Raises:
-        DicError: it cannot be read, or what reads it is not installed.
+        DicError: it cannot be read.
     """
     try:
         if path.suffix.lower() == ".npz":
@@ -39,20 +49,19 @@ def arrays_in(path: Path) -> dict[str, np.ndarray]:
         import scipy.io
 
         return {k: v for k, v in scipy.io.loadmat(path).items() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"}
-    except (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFError) as error:
+    except _BROKEN as error:
         raise DicError(f"{path}: cannot be read as arrays: {error}") from None
 
 
 def _of_hdf5(path: Path) -> dict[str, np.ndarray]:
-    try:
-        import h5py
-    except ImportError:
-        raise DicError(f"{path}: is a file of HDF5, and {needs('h5py')}") from None
-    turned = path.suffix.lower() == ".mat"
-    with h5py.File(path, "r") as file:
-        found = {k: np.array(v) for k, v in file.items() if isinstance(v, h5py.Dataset) and v.dtype.kind in "fiu"}
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        numeric = {k: v for k, v in file.variables.items() if isinstance(v.dtype, np.dtype) and v.dtype.kind in "fiu"}
+        found = {name: np.array(variable[...]) for name, variable in numeric.items()}
     # MATLAB writes its columns first.
-    return {name: each.T if turned else each for name, each in found.items()}
+    return {name: each.T if path.suffix.lower() == ".mat" else each for name, each in found.items()}
 
 
 def holds_frames(path: Path, names: Mapping[str, str | None]) -> bool:
@@ -64,6 +73,18 @@ def holds_frames(path: Path, names: Mapping[str, str | None]) -> bool:
     return all(_named(arrays, role, names) is not None for role in ("positions", "displacements"))
 
 
+def said_of(path: Path) -> str:
+    """What a file without frames holds, for a message."""
+    try:
+        names = shown(sorted(arrays_in(path)))
+    except DicError as error:
+        return f"; {error}"
+    return (
+        f"; {path.name} holds the arrays {names}: say which are what, --set 'arrays={{positions: NAME, displacements: "
+        "NAME, force: NAME, unit: mm}'"
+    )
+
+
 def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
     """Frames of a file of arrays, numbered from 0 on.
 
@@ -71,25 +92,42 @@ def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
         DicError: an array is absent, or of a shape that does not fit the others.
     """
     arrays = arrays_in(path)
-    position = _array(path, arrays, "positions", dialect.arrays)
-    displacement = _array(path, arrays, "displacements", dialect.arrays)
-    position = np.squeeze(position)
-    position = position.T if position.ndim == 2 and position.shape[0] == 2 != position.shape[1] else position
-    if position.ndim != 2 or position.shape[1] != 2:
-        raise DicError(f"{path}: positions of shape {position.shape}: store them as (point, 2)")
-    u = _in_order(path, displacement, len(position))
-    forces = _named(arrays, "force", dialect.arrays)
-    force = None if forces is None else np.ravel(arrays[forces]).astype(float)
-    if force is not None and len(force) != len(u):
-        raise DicError(f"{path}: {len(force)} forces {forces!r} of {len(u)} frames: store one a frame")
+    if dialect.unit is None and _named(arrays, "positions", dialect.arrays) in _MILLIMETRES:
+        dialect = replace(dialect, unit="mm")
+    position = np.squeeze(_array(path, arrays, "positions", dialect.arrays)).astype(float)
+    displacement = _array(path, arrays, "displacements", dialect.arrays).astype(float)
+    if position.ndim > 1 and position.shape[0] == 2 != position.shape[-1]:
+        position, displacement = position.T, displacement.T
+    if position.ndim not in (2, 3) or position.shape[-1] != 2:
+        raise DicError(f"{path}: positions of shape {position.shape}: store them as (point, 2) or (row, column, 2)")
+    u = _in_order(path, displacement, position.shape[:-1])
+    position = position.reshape(-1, 2)
+    course = {role: _course(path, arrays, role, len(u), dialect) for role in ("time", "force", "crosshead")}
+    label = _named(arrays, "label", dialect.arrays)
+    if label is not None:
+        kinds = len(np.unique(arrays[label]))
+        say("import", str(path.parent), f"{path.name}: {label!r} names {kinds} kinds of material, and is not looked at")
     line = np.arange(1, len(position) + 1)
     frames = {}
     for number, each in enumerate(u):
-        cells = dict(zip("xyuv", (*position.T.astype(float), *each.T), strict=True))
+        cells = dict(zip("xyuv", (*position.T, *each.T), strict=True))
         points = points_from(path, cells, line, dict.fromkeys("xyuv", ""), [], dialect)
-        known = None if force is None else float(force[number])
-        frames[number] = Points(path, points.position, points.displacement, points.line, points.unit, None, known)
+        told = {role: None if values is None else float(values[number]) for role, values in course.items()}
+        frames[number] = replace(points, **told)
     return frames
+
+
+def _course(path: Path, arrays: Mapping[str, np.ndarray], role: str, frames: int, dialect: Dialect):
+    """One value a frame; None where no array holds them.
+
+    Raises:
+        DicError: there are not as many as frames.
+    """
+    name = _named(arrays, role, dialect.arrays)
+    values = None if name is None else np.ravel(arrays[name]).astype(float)
+    if values is not None and len(values) != frames:
+        raise DicError(f"{path}: {len(values)} values of {role} {name!r} of {frames} frames: store one a frame")
+    return values
 
 
 def _named(arrays: Mapping[str, np.ndarray], role: str, names: Mapping[str, str | None]) -> str | None:
@@ -106,14 +144,16 @@ def _array(path: Path, arrays: Mapping[str, np.ndarray], role: str, names: Mappi
     return arrays[name]
 
 
-def _in_order(path: Path, u: np.ndarray, points: int) -> np.ndarray:
+def _in_order(path: Path, u: np.ndarray, grid: tuple[int, ...]) -> np.ndarray:
     """Displacements as (frame, point, 2), whichever order of axes they are stored in."""
-    u = u[None] if u.ndim == 2 else u
-    orders = [
-        order
-        for order in ((0, 1, 2), (2, 0, 1), (1, 0, 2), (0, 2, 1), (2, 1, 0), (1, 2, 0))
-        if u.ndim == 3 and (u.shape[order[1]], u.shape[order[2]]) == (points, 2)
-    ]
-    if not orders or u.shape[orders[0][0]] < 2:
-        raise DicError(f"{path}: displacements of shape {u.shape} for {points} points: store them as (frame, point, 2)")
-    return np.transpose(u, orders[0]).astype(float)
+    if u.ndim == 4 and len(grid) == 1:
+        u = u.reshape(u.shape[0], -1, u.shape[-1])
+    # The frame first and the component last is the usual order, and is tried first.
+    orders = sorted(permutations(range(u.ndim), 2), key=lambda each: (each[1] != u.ndim - 1, each[0]))
+    for frame, component in orders:
+        places = [axis for axis in range(u.ndim) if axis not in (frame, component)]
+        if tuple(u.shape[axis] for axis in places) == grid and u.shape[component] == 2 and u.shape[frame] > 1:
+            return np.transpose(u, (frame, *places, component)).reshape(u.shape[frame], -1, 2)
+    store = "(frame, point, 2)" if len(grid) == 1 else "(frame, row, column, 2)"
+    at = " x ".join(map(str, grid))
+    raise DicError(f"{path}: displacements of shape {u.shape} for {at} points: store them as {store}")

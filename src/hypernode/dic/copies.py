@@ -1,11 +1,12 @@
 """Displacements that are equal to the last bit: of no measurement, since noise never repeats."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float
+import scipy.ndimage
+from jaxtyping import Bool, Float, Int
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.series import Frame
@@ -65,12 +66,14 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     findings = _said(frames, copy_of, inserted, timed)
     findings += _reference_again(frames)
     cleaned, stuck = [frames[0]], {}
+    since = np.zeros(frames[0].displacement.shape[:2], dtype=int)
     for before, k in pairwise(kept):
-        lost = _left_behind(frames[before].displacement, frames[k].displacement)
+        u = frames[k].displacement
+        since = np.where(_both(frames[before].displacement == u), since, k)
+        lost = _left_behind(u, {begin: frames[begin].displacement for begin in np.unique(since[since < k])}, since)
         if lost.any():
             stuck[frames[k].number] = int(lost.sum())
-        u = np.where(lost[..., None], np.nan, frames[k].displacement)
-        cleaned.append(replace(frames[k], displacement=u))
+        cleaned.append(replace(frames[k], displacement=np.where(lost[..., None], np.nan, u)))
     if stuck:
         worst = max(stuck, key=stuck.get)
         findings += (
@@ -81,19 +84,28 @@ def without_copies(frames: Sequence[Frame], choice: str | None, timed: bool, whe
     return Copies(cleaned, inserted, findings)
 
 
+def _both(components: Bool[np.ndarray, "row column 2"]) -> Bool[np.ndarray, "row column"]:
+    """Where both components are so."""
+    return components[..., 0] & components[..., 1]
+
+
 def _equal(before: Field, after: Field) -> bool:
     """Whether two frames are one, as far as points are known in both."""
-    known = np.isfinite(before).all(axis=2) & np.isfinite(after).all(axis=2)
-    same = (before == after).all(axis=2) & known
+    same = _both(before == after)
+    if not same.any():
+        return False
+    known = _both(np.isfinite(before)) & _both(np.isfinite(after))
     # Sheets without any displacement are the reference again, and no copy of a measurement.
-    return bool(known.any() and same.sum() >= _WHOLE * known.sum() and after[known].any()) and _has_noise(after, known)
+    whole = known.any() and (same & known).sum() >= _WHOLE * known.sum()
+    return bool(whole and after[known].any()) and _has_noise(after, known)
 
 
 def _reference_again(frames: Sequence[Frame]) -> tuple[str, ...]:
     """A sentence where frames without any displacement follow the reference, although others have noise."""
-    still = [k for k, frame in enumerate(frames) if k and not np.nan_to_num(frame.displacement).any()]
-    noisy = [frame for k, frame in enumerate(frames) if k and k not in still]
-    if not still or not any(_has_noise(f.displacement, np.isfinite(f.displacement).all(axis=2)) for f in noisy):
+    known = [np.isfinite(frame.displacement) for frame in frames]
+    still = [k for k, frame in enumerate(frames) if k and known[k].any() and not frame.displacement[known[k]].any()]
+    noisy = [frame for k, frame in enumerate(frames) if k and k not in still and known[k].any()]
+    if not still or not any(_has_noise(f.displacement, _both(np.isfinite(f.displacement))) for f in noisy):
         return ()
     return (
         f"frame {frames[still[0]].number} has no displacement at all, as only the reference has: "
@@ -172,7 +184,7 @@ def _smooth(difference: Field, known: Bool[np.ndarray, "row column"]) -> tuple[F
 def _motion(before: Field, after: Field) -> tuple[float, float]:
     """(mean size of the smooth motion between two frames, its standard deviation)."""
     difference = after - before
-    known = np.isfinite(difference).all(axis=2)
+    known = _both(np.isfinite(difference))
     found = _smooth(difference, known)
     if found is None:
         return 0.0, np.inf
@@ -183,18 +195,26 @@ def _motion(before: Field, after: Field) -> tuple[float, float]:
     )
 
 
-def _left_behind(before: Field, after: Field) -> Bool[np.ndarray, "row column"]:
-    """Points that keep the displacement of the frame before, or have none at all, while those around them move."""
-    lost = np.zeros(after.shape[:2], dtype=bool)
-    known = np.isfinite(after).all(axis=2)
+def _left_behind(
+    u: Field, earlier: Mapping[int, Field], since: Int[np.ndarray, "row column"]
+) -> Bool[np.ndarray, "row column"]:
+    """Points that keep the displacement of a frame before, or have none at all, while those around them move.
+
+    Args:
+        u: displacement of a frame.
+        earlier: number of a frame before -> its displacement.
+        since: number of the frame since which each point stands.
+    """
+    lost, known = np.zeros(u.shape[:2], dtype=bool), _both(np.isfinite(u))
     # Zero is the reference's displacement, with which a program fills up what it could not find.
-    for origin, still in (
-        (np.nan_to_num(before), (before == after).all(axis=2)),
-        (np.zeros_like(after), (after == 0.0).all(axis=2)),
-    ):
-        moving = known & ~still & np.isfinite(before).all(axis=2)
-        found = _smooth(after - origin, moving) if still.any() else None
+    origins = [(field, since == begin) for begin, field in earlier.items()]
+    for origin, still in (*origins, (np.zeros_like(u), _both(u == 0.0))):
+        still = known & still
+        found = _smooth(u - origin, known & ~still & _both(np.isfinite(origin))) if still.any() else None
         if found is not None:
             smooth, scatter = found
-            lost |= known & still & (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
+            behind = (np.abs(smooth) > _LEFT_BEHIND * scatter + 1e-9 * np.abs(smooth).max()).any(axis=2)
+            # A program fails at regions: what hangs together with such a point failed as well, however little it moves.
+            regions, _ = scipy.ndimage.label(still, np.ones((3, 3)))
+            lost |= still & np.isin(regions, regions[still & behind])
     return lost

@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 #: How a number that is none is written, in lower case.
-NOT_A_NUMBER = ("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch", "na")
+NOT_A_NUMBER = (
+    *("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch"),
+    *("na", "n/a", "#n/a", "nil", "null", "none", "-", "--", "---", "*"),
+)
 
 
 @dataclass(frozen=True)
@@ -65,3 +68,10 @@ class Dialect:
     preamble_unit: str | None = None
     preamble_force: str | None = None
     content: str = "frame"
+
+    def option(self, **said: str) -> str:
+        """Words of the command line that declare a table of these columns, with what is said besides."""
+        columns = {role: repr(getattr(self, role)[0]) for role in "xyuv"}
+        sign = {} if self.layouts[0][0] == "," else {"delimiter": repr(self.layouts[0][0])}
+        told = ", ".join(f"{key}: {value}" for key, value in (columns | sign | said).items())
+        return f'--set format=table --set "table={{{told}}}"'

@@ -12,7 +12,7 @@ from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
-from hypernode.dic.header import HEAD_BYTES, layout_of
+from hypernode.dic.header import HEAD_BYTES, shows
 from hypernode.dic.text import read_text, shown
 
 SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *arrays.SUFFIXES}
@@ -116,7 +116,7 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
             if dialect.content == "matrices":
                 if matrix and matrix["field"].upper() in ("U", "V", "X", "Y"):
                     return dialect
-            elif layout_of(lines, dialect):
+            elif shows(lines, dialect):
                 return dialect
         if known is DIALECTS and (named := named_table(lines)):
             return named
@@ -132,9 +132,10 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
     first = ""
     for path in paths[:1]:
-        if path.suffix.lower() not in arrays.SUFFIXES:
-            lines = read_text(path, HEAD_BYTES).splitlines() or [""]
-            first = f"; {path.name} begins {lines[0][:60]!r}"
+        if path.suffix.lower() in arrays.SUFFIXES:
+            return f"{about} {shown(path.name for path in paths)}{arrays.said_of(path)}"
+        lines = read_text(path, HEAD_BYTES).splitlines() or [""]
+        first = f"; {path.name} begins {lines[0][:60]!r}"
     return (
         f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
         "and table to its columns: {x: ..., y: ..., u: ..., v: ..., unit: mm}"

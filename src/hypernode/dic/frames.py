@@ -31,7 +31,7 @@ def trimmed(series: Series, ring: int) -> Series:
             "that lie closer together"
         )
     cut = slice(ring, -ring or None)
-    frames = [type(f)(f.number, f.displacement[cut, cut], f.time, f.force) for f in series.frames]
+    frames = [replace(f, displacement=f.displacement[cut, cut]) for f in series.frames]
     return replace(series, x=series.x[cut], y=series.y[cut], frames=frames, out_of_plane=0.0, files=(), tilt=0.0)
 
 
@@ -162,6 +162,13 @@ def _each_once(test: SpecimenTest, key: str, chosen: list[int]) -> np.ndarray:
     if len(set(chosen)) < len(chosen):
         raise DicError(f"{test.folder}: {key} {getattr(test, key)} pick the frames {chosen}: spread them further apart")
     return np.array(chosen)
+
+
+def first_loading(series: Series, course: Float[np.ndarray, " frame"]) -> tuple[np.ndarray, np.ndarray]:
+    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
+    numbers = np.array([frame.number for frame in series.frames])
+    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
+    return numbers[seen], course[seen]
 
 
 def several_loadings(test: SpecimenTest, series: Series, chosen: np.ndarray) -> str:

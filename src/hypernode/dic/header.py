@@ -74,6 +74,17 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
     return None
 
 
+def shows(lines: list[str], dialect: Dialect) -> bool:
+    """Whether a file is of a dialect: its header has the columns, and those of a dialect in pixels are not in mm.
+
+    Columns of usual names in mm are of any program, and y of a picture points the other way.
+    """
+    layout = layout_of(lines, dialect)
+    if layout is None or dialect.unit != "pixel":
+        return layout is not None
+    return not any(bare(name) in dialect.x and name.lower().endswith("mm]") for name in layout.names)
+
+
 def refusal(path: Path, lines: list[str], dialect: Dialect) -> DicError:
     """What is wrong with the header of a file that is not of its series' dialect."""
     if not lines:

@@ -35,6 +35,7 @@ class LoadCase:
         stretch: mean stretch of each along the pull, or 1 + shear (step,).
         u: displacement since the reference, NaN where a point was lost.
         force: by component (i, J) the force along i across the whole sheet's section normal to J (step,).
+        pairing: uncertainty of each force by that of the frame to which it belongs, over its size (step,).
         relaxation: what of the force is a matter of time.
         camera_angle: by which the camera was turned against the reference, and which is taken out [rad] (step,).
         noise: of the displacements, in mm.
@@ -51,6 +52,7 @@ class LoadCase:
     stretch: Float[np.ndarray, " step"]
     u: Float[np.ndarray, "step row column 2"]
     force: dict[Component, Float[np.ndarray, " step"]]
+    pairing: Float[np.ndarray, " step"]
     relaxation: Relaxation
     camera_angle: Float[np.ndarray, " step"]
     noise: StepNoise
@@ -87,6 +89,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
         case,
         time=found.time,
         force=found.force,
+        pairing=found.pairing,
         relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
         findings=(*case.findings, *strange, *found.findings),
@@ -128,6 +131,7 @@ def _without_force(
         np.array([stretch[number] for number in numbers]),
         u,
         {},
+        np.zeros(len(numbers)),
         ELASTIC,
         np.array([angles[number] for number in numbers]),
         noise_of(test, series, numbers, mm),

@@ -8,10 +8,7 @@ from hypernode.dic.points import Points
 
 #: Share of the points that must lie on the grid once the displacement is taken out.
 _NEARLY_ALL = 0.95
-_MOVED = (
-    ", but without its displacement it is: positions move with the sheet; say so, format: table and table: {..., "
-    "deformed: true} with the names of the columns (--set format=table --set 'table={..., deformed: true}')"
-)
+_MOVED = ", but without its displacement it is: positions move with the sheet; say so, {moving}"
 _TAKEN_OUT = (
     ", but with its displacement it is: positions are those of the sheet at rest already; say deformed: false in table"
 )
@@ -28,5 +25,5 @@ def why_off(points: Points, on_grid: Callable[[np.ndarray], np.ndarray]) -> str:
     known = np.isfinite(u).all(axis=1)
     for there, told in ((position - u, _MOVED), (position + u, _TAKEN_OUT)):
         if known.any() and on_grid(there[known]).mean() >= _NEARLY_ALL:
-            return told
+            return told.replace("{moving}", points.moving)
     return ""

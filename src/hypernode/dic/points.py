@@ -1,5 +1,6 @@
 """The measured points of one frame, back in the reference sheet."""
 
+import functools
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,7 @@ class Points:
         displacement: NaN where lost.
         line: of each point in its file.
         unit: ``pixel`` or ``mm``.
+        moving: words of the command line that say that positions are in the deformed sheet.
     """
 
     path: Path
@@ -40,34 +42,36 @@ class Points:
     unit: str
     time: float | None = None
     force: float | None = None
+    crosshead: float | None = None
+    moving: str = ""
 
 
-def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dialect) -> tuple[str, float]:
-    """(unit of the series, factor to it) that the columns of a file or its preamble name.
+def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dialect) -> tuple[str, float, float]:
+    """(unit of the series, factors to it of positions and of displacements) that a file names.
 
     Raises:
-        DicError: no unit is named, an unknown one, or positions and displacements differ in it.
+        DicError: no unit is named, an unknown one, or positions and displacements are not both lengths or both pixels.
     """
-    named = {units[role] for role in ("x", "y", "u", "v") if units[role].strip()}
+    named = {role: units[role].strip() for role in ("x", "y", "u", "v") if units[role].strip()}
     if dialect.preamble_unit:
-        named |= {match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))}
-    named = named or ({dialect.unit} if dialect.unit else set())
+        found = [match[1] for line in preamble if (match := re.search(dialect.preamble_unit, line))]
+        named |= {f"preamble {unit}": unit for unit in found}
+    if not named and dialect.unit:
+        named = {"all": dialect.unit}
     if not named and dialect.content == "arrays":
         raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
-        columns = ", ".join(f"{role}: {getattr(dialect, role)[0]!r}" for role in "xyuv")
-        sign = "" if dialect.layouts[0][0] == "," else f", delimiter: {dialect.layouts[0][0]!r}"
-        raise DicError(
-            f'{path}: no unit is named: say --set format=table --set "table={{{columns}{sign}, unit: mm}}", or unit: '
-            "pixel"
-        )
-    unknown = sorted(name for name in named if name.strip().lower() not in UNITS)
+        raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
+    unknown = sorted(name for name in named.values() if name.lower() not in UNITS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
-    known = {UNITS[name.strip().lower()] for name in named}
-    if len(known) > 1:
-        raise DicError(f"{path}: positions and displacements in different units ({', '.join(sorted(named))})")
-    return known.pop()
+    known = {role: UNITS[name.lower()] for role, name in named.items()}
+    factors = [{known[role] for role in known if role not in others} for others in ("uv", "xy")]
+    if len({unit for unit, _ in known.values()}) > 1 or max(map(len, factors)) > 1:
+        every = ", ".join(sorted(set(named.values())))
+        raise DicError(f"{path}: positions and displacements in different units ({every})")
+    told = [next(iter(each or set(known.values()))) for each in factors]
+    return told[0][0], told[0][1], told[1][1]
 
 
 def read_points(path: Path, dialect: Dialect) -> Points:
@@ -88,20 +92,20 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
                 f"{path}:{number}: displacements from frame to frame, not from the reference: correlate again with "
                 "the first image as the reference"
             )
-    unit, factor = unit_of(path, units, preamble, dialect)
-    position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factor
-    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1) * factor
+    unit, *factors = unit_of(path, units, preamble, dialect)
+    position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
+    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1) * factors[1]
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
     if "failed" in cells:
         u[cells["failed"]] = np.nan
-    u[~np.isfinite(u).all(axis=1)] = np.nan
+    u[~_all(np.isfinite(u)) | _no_lengths(position, u)] = np.nan
     if dialect.deformed:
         position = position - u
-    keep = np.isfinite(position).all(axis=1)
+    keep = _all(np.isfinite(position))
     if not dialect.lost_position:
-        keep &= np.isfinite(u).all(axis=1)
+        keep &= _all(np.isfinite(u))
     elif not keep.all():
         raise DicError(f"{path}:{line[np.argmin(keep)]}: the position is not finite")
     if not keep.any():
@@ -111,7 +115,19 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     if dialect.preamble_force:
         found = [match[1] for text in preamble if (match := re.search(dialect.preamble_force, text))]
         force = float(found[0]) if found else None
-    return Points(path, position[keep], u[keep], line[keep], unit, time, force)
+    moving = dialect.option(unit=unit, deformed="true")
+    return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
+
+
+def _all(components: np.ndarray) -> np.ndarray:
+    """Which points have all components so; numpy's own is slow along a short axis."""
+    return functools.reduce(np.logical_and, components.T)
+
+
+def _no_lengths(position: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Which displacements are one number in all components, beyond the field: -999 and 1e30 stand for none."""
+    one = _all(u == u[:, :1]) & (u[:, 0] != 0.0)
+    return one & (np.abs(u[:, 0]) > 2.0 * np.ptp(position, axis=0).max()) if one.any() else one
 
 
 def refuse_strays(points: Points) -> None:

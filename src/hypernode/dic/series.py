@@ -14,14 +14,16 @@ class Frame:
     """Displacements of one frame on the series' grid, in its unit, y upward, NaN where lost.
 
     Attributes:
-        time, force: what the file itself says, in s and N as far as it is right about its units; ``None`` where it says
-            nothing. Some exports write volts where they promise newtons: compare with the machine's record.
+        time, force, crosshead: what the file itself says, in s, N and mm as far as it is right about its units;
+            ``None`` where it says nothing. Some exports write volts where they promise newtons: compare with the
+            machine's record.
     """
 
     number: int
     displacement: Float[np.ndarray, "row column 2"]
     time: float | None = None
     force: float | None = None
+    crosshead: float | None = None
 
 
 @dataclass(frozen=True)

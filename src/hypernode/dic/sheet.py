@@ -50,7 +50,7 @@ class Sheet:
         points = self.plane.seen(points) if self.plane else points
         points = self.tilt.seen(points) if self.tilt else points
         values = self.grid.values(points, self.reference)
-        return Frame(number, values, self.times.get(number, points.time), points.force)
+        return Frame(number, values, self.times.get(number, points.time), points.force, points.crosshead)
 
     def out_of_plane(self, points: Points) -> float:
         """Range of a frame's out-of-plane displacement over the size of the sheet; 0 of one camera.

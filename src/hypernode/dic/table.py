@@ -1,6 +1,7 @@
 """One table of a displacement file, read into columns."""
 
 import re
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
 from hypernode.dic.text import read_text, shown
-from hypernode.dic.validity import failed, known_columns, named_columns, value_of
+from hypernode.dic.validity import failed, known_columns, named_columns, question, value_of
 
 _WORDS = {"true": 1.0, "false": 0.0}
 
@@ -27,55 +28,80 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     layout = layout_of(lines, dialect)
     if layout is None:
         raise refusal(path, lines, dialect)
-    roles = _roles(path, layout, dialect)
-    body = [(k, line) for k, line in enumerate(lines[layout.header + 1 :], start=layout.header + 2) if line.strip()]
-    if not body:
+    roles, marks = _roles(path, layout, dialect), _marks(path, layout, dialect)
+    number, rows = _rows(lines, layout.header + 1)
+    if not rows:
         raise DicError(f"{path}:{layout.header + 2}: no points")
-    table = _plain(body, layout, list(roles.values()), dialect.blanks)
-    if table is None:
-        table = _row_by_row(path, body, layout, list(roles.values()), dialect)
-    if layout.rows not in (None, len(body)):
-        raise DicError(f"{path}:{body[-1][0]}: {len(body)} points, the first line promises {layout.rows}: export again")
+    plain = _plain(rows, layout, [*roles.values(), *marks.values()], dialect.blanks)
+    if plain is None:
+        table = _row_by_row(path, number, rows, layout, list(roles.values()), dialect)
+        marked = _marked(rows, layout, list(marks.values()))
+    else:
+        table, marked = plain[:, : len(roles)], plain[:, len(roles) :]
+    if layout.rows not in (None, len(rows)):
+        raise DicError(f"{path}:{number[-1]}: {len(rows)} points, the first line promises {layout.rows}: export again")
     names = layout.names
     units = {role: (re.search(r"\[([^\]]*)\]\s*$", names[k]) or ["", ""])[1] for role, k in roles.items()}
+    for name, values in zip(marks, marked.T, strict=True):
+        if asked := question(name, values, dialect.valid):
+            raise DicError(f"{path}:{layout.header + 1}: {asked}")
+    lost = [failed(name, values, dialect.valid) for name, values in zip(marks, marked.T, strict=True)]
     cells = {role: table[:, k] for k, role in enumerate(roles)}
-    return (
-        cells | {"failed": _failed(path, body, layout, dialect)},
-        np.array([number for number, _ in body]),
-        units,
-        lines[: layout.header],
-    )
+    cells["failed"] = np.any(lost, axis=0) if lost else np.zeros(len(rows), dtype=bool)
+    return cells, number, units, lines[: layout.header]
 
 
-def _plain(body: list[tuple[int, str]], layout: Layout, columns: list[int], blanks: bool) -> np.ndarray | None:
+def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:
+    """(number of each line from ``begin`` on that is not empty, these lines)."""
+    rows = lines[begin:]
+    if all(map(str.strip, rows)):
+        return np.arange(begin + 1, len(lines) + 1), rows
+    filled = [k for k, line in enumerate(rows) if line.strip()]
+    return np.array(filled, dtype=int) + begin + 1, [rows[k] for k in filled]
+
+
+def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) -> np.ndarray | None:
     """Columns of rows that hold as many cells as the header, numbers all of them, or empty where ``blanks``.
 
     ``None`` where a row asks for a closer look.
     """
-    text, sign = "\n".join(line for _, line in body), layout.delimiter
+    text, sign, signs = "\n".join(rows), layout.delimiter, len(layout.names) - 1
     if '"' in text or (layout.decimal == "," and "." in text):
         return None
-    text = text.replace(",", ".") if layout.decimal == "," else text
-    if blanks and sign != " ":
-        # Twice, since neighbours share a delimiter.
-        for empty, number in 2 * ((sign + sign, f"{sign}nan{sign}"), (f"{sign}\n", f"{sign}nan\n")):
-            text = text.replace(empty, number)
-        text += "nan" if text.endswith(sign) else ""
-    rows, signs = text.split("\n"), len(layout.names) - 1
-    if any((len(row.split()) - 1 if sign == " " else row.count(sign)) != signs for row in rows):
+    counted = map(len, map(str.split, rows)) if sign == " " else map(str.count, rows, repeat(sign))
+    if set(counted) != {signs + (sign == " ")}:
         return None
+    if layout.decimal == ",":
+        text = text.replace(",", ".")
+        rows = text.split("\n")
+    table = _loaded(rows, sign, columns)
+    return (
+        _loaded(_filled(text, sign).split("\n"), sign, columns) if table is None and blanks and sign != " " else table
+    )
+
+
+def _loaded(rows: list[str], sign: str, columns: list[int]) -> np.ndarray | None:
+    """Columns of numbers; None where a cell holds none."""
     try:
         return np.loadtxt(rows, delimiter=None if sign == " " else sign, usecols=columns, comments=None, ndmin=2)
     except ValueError:
         return None
 
 
-def _row_by_row(path: Path, body, layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:
+def _filled(text: str, sign: str) -> str:
+    """Text with nan in empty cells."""
+    # Twice, since neighbours share a delimiter.
+    for empty, number in 2 * ((sign + sign, f"{sign}nan{sign}"), (f"{sign}\n", f"{sign}nan\n")):
+        text = text.replace(empty, number)
+    return text + "nan" if text.endswith(sign) else text
+
+
+def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:
     """The same of rows with quoted cells or words, or an error that names the line."""
     width, values = len(layout.names), []
-    quoted = any('"' in line for _, line in body[:2])
-    for number, line in body:
-        where = f"{path}:{number}"
+    quoted = any('"' in line for line in rows[:2])
+    for k, line in zip(number, rows, strict=True):
+        where = f"{path}:{k}"
         if quoted:
             fields = cells_of(line, layout.delimiter)
         else:
@@ -86,19 +112,16 @@ def _row_by_row(path: Path, body, layout: Layout, columns: list[int], dialect: D
     return np.array(values)
 
 
-def _failed(path: Path, body: list[tuple[int, str]], layout: Layout, dialect: Dialect) -> np.ndarray:
-    """Which rows a column marks as failed points: one that is known to, or that the configuration names."""
+def _marks(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
+    """Name -> index of the columns that mark failed points: known ones, and those that the configuration names."""
     names = list(map(bare, layout.names))
-    columns = known_columns(names)
-    columns |= named_columns(path, layout.header + 1, names, dialect.valid)
-    lost = np.zeros(len(body), dtype=bool)
-    if not columns:
-        return lost
-    rows = [cells_of(line, layout.delimiter) for _, line in body]
-    for name, k in columns.items():
-        values = np.array([value_of(row[k], layout.decimal) if k < len(row) else np.nan for row in rows])
-        lost |= failed(name, values, dialect.valid)
-    return lost
+    return known_columns(names) | named_columns(path, layout.header + 1, names, dialect.valid)
+
+
+def _marked(rows: list[str], layout: Layout, columns: list[int]) -> np.ndarray:
+    """What such columns hold (row, column), of rows with words; NaN where a cell is empty or missing."""
+    cells = [cells_of(row, layout.delimiter) for row in rows] if columns else len(rows) * [[]]
+    return np.array([[value_of(row[k], layout.decimal) if k < len(row) else np.nan for k in columns] for row in cells])
 
 
 def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> float:

@@ -59,6 +59,22 @@ def refuse_cut_lines(paths: Iterable[Path]) -> None:
             )
 
 
+def without_braces(files: Iterable[str]) -> list[str]:
+    """The same files.
+
+    Raises:
+        DicError: a name has braces, in which the workflow looks for the name of a wildcard.
+    """
+    files = list(files)
+    for file in files:
+        if "{" in file or "}" in file:
+            raise DicError(
+                f"{file}: the workflow cannot name a file with braces: rename it or its folder, or link to the folder "
+                "under another name, ln -s FOLDER NAME"
+            )
+    return files
+
+
 def shown(names: Iterable[str], most: int = 100) -> str:
     """Names for a message, as many characters of them as fit into it."""
     text = ", ".join(map(repr, names))

@@ -18,8 +18,14 @@ _BELOW_ZERO = (
     *("sigma", "match", "confidence", "quality", "score", "chi", "chi2", "residual"),
     *("status", "status_flag", "statusflag", "state", "flag", "iteration", "iterations"),
 )
+#: Of these columns, which are zero at no point that was found.
+_CORRELATION = ("zncc", "ncc", "corr", "corrcoef", "correlation", "correlation coefficient")
 #: Columns of which zero does as well.
 _ZERO = ("converged", "convergence_flag", "valid", "is_valid", "isvalid", "validity", "success", "ok", "good")
+#: Columns that mark failed points by any number above zero, or a word that says yes.
+_FAILS = ("failed", "fail", "invalid", "is_invalid", "outlier", "is_outlier", "bad", "lost", "rejected")
+#: Columns whose ones are the sheet for one program, and what is cut away for another.
+_ASKED = ("mask", "roi")
 #: Words of failed points in such columns.
 _FAILED = {"false", "f", "no", "n", "fail", "failed", "invalid", "bad", "lost", "error", "nok", "not converged"}
 
@@ -29,7 +35,7 @@ Range = tuple[float | None, float | None]
 
 def known_columns(names: list[str]) -> dict[str, int]:
     """Name -> index of the columns of a header, without units, that are known to mark failed points."""
-    return {name: k for k, name in enumerate(names) if name.strip().lower() in _BELOW_ZERO + _ZERO}
+    return {name: k for k, name in enumerate(names) if name.strip().lower() in _BELOW_ZERO + _ZERO + _FAILS + _ASKED}
 
 
 def named_columns(path: Path, line: int, names: list[str], valid: Mapping[str, Range]) -> dict[str, int]:
@@ -55,6 +61,17 @@ def value_of(cell: str, decimal: str) -> float:
         return -1.0 if word in _FAILED else 1.0
 
 
+def question(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, Range]) -> str:
+    """What only its owner knows of a column; empty where nothing is asked."""
+    yes = int((values > 0.0).sum())
+    if name in valid or name.strip().lower() not in _ASKED or yes in (0, len(values)):
+        return ""
+    return (
+        f"the column {name!r} is above zero at {yes} of {len(values)} points: are these the points of the sheet, --set "
+        f"'valid={{{name}: [1, null]}}', or those that are cut away, --set 'valid={{{name}: [null, 0]}}'?"
+    )
+
+
 def failed(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, Range]) -> Bool[np.ndarray, " point"]:
     """Which points a column marks as failed.
 
@@ -65,5 +82,11 @@ def failed(name: str, values: Float[np.ndarray, " point"], valid: Mapping[str, R
             default if end is None else end for end, default in zip(valid[name], (-np.inf, np.inf), strict=True)
         )
         return ~((values >= low) & (values <= high))
-    lost = ~(values > 0.0) if name.strip().lower() in _ZERO else ~(values >= 0.0)
+    name = name.strip().lower()
+    if name in _ASKED:
+        return np.zeros(len(values), dtype=bool)
+    lost = ~(values > 0.0) if name in _ZERO else values > 0.0 if name in _FAILS else ~(values >= 0.0)
+    # A frame that is compared with itself has no residual anywhere.
+    if name in _CORRELATION and (values == 0.0).mean() < 0.5:
+        lost |= values == 0.0
     return np.zeros(len(values), dtype=bool) if lost.all() else lost

@@ -8,7 +8,7 @@ import xarray as xr
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
-from hypernode.data.measurement import is_cut_out
+from hypernode.data.measurement import force_uncertainty, is_cut_out
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
@@ -31,7 +31,7 @@ def judge_run(
         summary: numbers of its evaluation.
         measurement, constrained: opened files; no constrained field where the method has none.
     """
-    uncertainty = max(float(measurement.attrs["force_uncertainty"]), settings.force_uncertainty)
+    uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
     explained = _displacements(summary, constrained, settings)
     return Verdict(

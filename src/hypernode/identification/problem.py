@@ -14,6 +14,7 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.config.methods import Constrained
+from hypernode.data.measurement import force_uncertainty
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.equilibrium import FieldEquilibrium, State
@@ -223,7 +224,7 @@ def problem_of_basis(
 
 def _forces(measurement, observations: Observations, settings: Constrained, strategy: Strategy) -> list[EdgeForce]:
     """The resultants, as certain as the load cell is said to be."""
-    relative = max(settings.force_noise, float(measurement.attrs["force_uncertainty"]))
+    relative = np.maximum(settings.force_noise, force_uncertainty(measurement))
     return edge_forces(measurement, observations.refinement.mesh, relative, strategy)
 
 

@@ -48,7 +48,7 @@ def shared_errors(forces: list[EdgeForce]) -> Float[np.ndarray, "force error"]:
     return errors[:, errors.any(axis=0)]
 
 
-def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) -> list[EdgeForce]:
+def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
     """Measured resultants, one a step and component; their overall balance gives the other edge.
 
     Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
@@ -56,7 +56,7 @@ def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) ->
 
     Args:
         mesh: on whose nodes they act.
-        relative: uncertainty of a force over its size.
+        relative: uncertainty of the forces of each step over their size.
     """
     cut, force = is_cut_out(measurement), stress_resultants(measurement)
     gains, offsets = force_gain_uncertainty(measurement), force_offset_uncertainty(measurement)
@@ -71,7 +71,7 @@ def edge_forces(measurement, mesh: Mesh, relative: float, strategy: Strategy) ->
                 if constrained[step, e, i] and np.isfinite(force[step, e, i]):
                     direction = np.zeros(mesh.nodes.shape)
                     direction[mesh.on_edge(edge), i] = 1.0
-                    sigma = relative * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
+                    sigma = relative[step] * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
                     axis, outward = EDGES[edge]
                     of_channel = force[load_case == load_case[step]][:, [2 * axis, 2 * axis + 1], i]
                     offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))

@@ -129,7 +129,7 @@ def _slope(at: np.ndarray, values: np.ndarray) -> float | None:
 
 def _fitted(at: np.ndarray, position: np.ndarray, u: Float[np.ndarray, "line point 2"]) -> _Lines:
     """Least squares through both components of every line of which enough points are measured."""
-    known = np.isfinite(u).all(axis=2)
+    known = np.isfinite(u[..., 0]) & np.isfinite(u[..., 1])
     points = known.sum(axis=1)
     enough = points >= max(_FEWEST, _MEASURED * u.shape[1])
     known, points, u = known[enough], points[enough], np.nan_to_num(u[enough])

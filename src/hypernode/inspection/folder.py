@@ -16,6 +16,7 @@ from hypernode.dic.frames import mean_stretch, trimmed
 from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
+from hypernode.dic.text import without_braces
 from hypernode.inspection.content import Content, content_of
 from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
@@ -205,6 +206,7 @@ def _imported(seen: Inspection) -> Inspection:
         try:
             specimen = seen.known.specimen(seen.folder)
             sheet = import_specimen(specimen, full=None if specimen.frames else seen.field.series)
+            without_braces(map(str, sheet.files))
         except DicError as error:
             return _and(seen, missing(str(error)))
     told = {remark.sentence for remark in seen.known.odd}

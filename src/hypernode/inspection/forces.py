@@ -12,8 +12,7 @@ from hypernode.dic.forces.dialects import PULL
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
-from hypernode.dic.frames import mean_gradient, working_stretch
-from hypernode.dic.loadings import loadings
+from hypernode.dic.frames import first_loading, mean_gradient, working_stretch
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 
@@ -80,11 +79,9 @@ def _offsets(test: SpecimenTest, series: Series, pulls: dict[Component, PullReco
     pull = pulls[part]
     if pull.image is not None:
         return []
-    numbers = np.array([frame.number for frame in series.frames])
-    stretch = working_stretch(series, test.load, *part)
     # What follows the first loading says nothing more of the clocks.
-    seen = np.isfinite(stretch) & (np.arange(len(stretch)) <= loadings(stretch)[0].peak)
-    return estimate_offsets(pull.times(numbers[seen]), stretch[seen], pull.time, pull.force, pull.displacement)
+    numbers, stretch = first_loading(series, working_stretch(series, test.load, *part))
+    return estimate_offsets(pull.times(numbers), stretch, pull.time, pull.force, pull.displacement)
 
 
 def _course(series: Series, part: Component, pull: PullRecord) -> Course:

@@ -7,7 +7,10 @@ from jaxtyping import Float
 
 from hypernode.dic.series import Series
 from hypernode.inspection.ends import Ends, ends_of
+from hypernode.inspection.field import mean_gradients
 
+#: Share of the largest mean gradient between outermost points, below which a frame has not the largest one.
+_FAR = 0.5
 #: Mean strain below which a sheet hardly deforms: no law of a soft material can be told from so little.
 LEAST_STRAIN = 1e-3
 #: Uncertainties within which a mean gradient is none.
@@ -53,7 +56,10 @@ def recognised(series: Series) -> LoadSeen:
         series: without the points at the outline that cannot be relied on.
     """
     largest, best = -1.0, None
-    for frame in series.frames:
+    rough = np.linalg.norm(mean_gradients(series), axis=(1, 2))
+    # Most frames are far from the largest, and straight lines need not be fitted in them.
+    far = rough < _FAR * np.nanmax(rough, initial=0.0)
+    for frame in (each for each, skip in zip(series.frames, far, strict=True) if not skip):
         pair = tuple(ends_of(series.x, series.y, frame.displacement, axis) for axis in (0, 1))
         if None in pair:
             continue
@@ -73,8 +79,10 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
     shear, stretch = H[0, 1] + H[1, 0], np.diag(H)
     least = max(LEAST_STRAIN, _CHANCE * max(float(each.uncertainty.max()) for each in pair))
     if max(abs(shear), np.abs(stretch).max()) < least:
-        size = f"{max(abs(shear), np.abs(stretch).max()):.2g}"
-        return None, f"the sheet hardly deforms: its largest mean strain is {size}"
+        size = f"its largest mean strain is {max(abs(shear), np.abs(stretch).max()):.2g}"
+        if least > LEAST_STRAIN:
+            return None, f"end lines scatter by more than the sheet deforms: {size}, known to {least / _CHANCE:.2g}"
+        return None, f"the sheet hardly deforms: {size}"
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:

@@ -13,6 +13,8 @@ from hypernode.inspection.records import Cycle
 
 #: Columns of the words in front of the sentences, and of a line.
 _INDENT, _WIDTH = 10, 118
+#: Orders of magnitude that a reader compares with.
+_KNOWN = "gels and soft tissue have up to 0.1 MPa, rubbers and skin 0.1 to 30, plastics some hundred"
 
 
 def report(seen: Inspection) -> list[str]:
@@ -152,4 +154,15 @@ def _import(seen: Inspection) -> list[tuple[str, str]]:
     for part, force in case.force.items():
         axis = f" along {'xy'[part[0]]}" if len(case.force) > 1 else ""
         steps = [f"{step}, {value:.3g} N{axis}" for step, value in zip(steps, force, strict=True)]
-    return [("steps", "; ".join(steps))] + [("import", note) for note in seen.notes]
+    rows = [("steps", "; ".join(steps))] + [("import", note) for note in seen.notes]
+    return rows + ([("stiffness", _stiffness(seen))] if case.force else [])
+
+
+def _stiffness(seen: Inspection) -> str:
+    """The stiffness of the sheet as a whole, by which a reader sees a force in another unit."""
+    settings, case = seen.known.settings, seen.sheet.cases[0]
+    sections = [settings[side] * settings["thickness"] for side in ("height", "width")]
+    pulled = case.stretch > 1.0
+    secants = [(f / (sections[J] * (case.stretch - 1.0)))[pulled] for (_, J), f in case.force.items()]
+    told = _range(np.concatenate(secants), ".2g")
+    return f"force per section over stretch less one: {told} MPa; of known sheets, {_KNOWN}"

@@ -8,6 +8,7 @@ from hypernode.config.slices import case_geometries
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import raw_files
+from hypernode.dic.text import without_braces
 from hypernode.storage.provenance import code_hash
 
 
@@ -21,7 +22,7 @@ def specimen_files(config: Config, name: str) -> list[str]:
     specimen = config.specimens[config.cases[name].specimen]
     try:
         tests = [test.model_dump_json(include=set(SpecimenTest.model_fields)) for test in specimen.all_tests]
-        files = without_braces([path for test in tests for path in _raw_files(test)])
+        files = without_braces(path for test in tests for path in _raw_files(test))
     except DicError as error:
         raise SystemExit(f"The specimen {config.cases[name].specimen} cannot be used.\n{error}") from None
     return list(dict.fromkeys([*files, *([specimen.thickness_map] if specimen.thickness_map else [])]))
@@ -31,21 +32,6 @@ def specimen_files(config: Config, name: str) -> list[str]:
 def _raw_files(test: str) -> tuple[str, ...]:
     """Files of a test, given as JSON: every job of a case asks for them, and a folder is looked through once."""
     return tuple(map(str, raw_files(SpecimenTest.model_validate_json(test))))
-
-
-def without_braces(files: list[str]) -> list[str]:
-    """The same files.
-
-    Raises:
-        DicError: a name has braces, in which the workflow looks for the name of a wildcard.
-    """
-    for file in files:
-        if "{" in file or "}" in file:
-            raise DicError(
-                f"{file}: the workflow cannot name a file with braces: rename it or its folder, or link to the folder "
-                "under another name, ln -s FOLDER NAME"
-            )
-    return files
 
 
 def image_files(config: Config, name: str) -> list[str]:

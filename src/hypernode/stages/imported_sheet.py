@@ -30,6 +30,7 @@ def variables_of(sheet: ImportedSpecimen, corner: Float[np.ndarray, " 2"]) -> di
         "H": sheet.H,
         "time": np.concatenate([each.time for each in sheet.cases]),
         "edge_force": sheet.edge_force,
+        "force_pairing_uncertainty": np.concatenate([each.pairing for each in sheet.cases]),
         "relaxation": np.concatenate([each.relaxation.at(each.time) for each in sheet.cases]),
         "relaxation_time": times,
         "relaxation_factor": factors,

@@ -119,6 +119,7 @@ VARIABLES = {
     # fields
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
     "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),
+    "force_pairing_uncertainty": Variable(("load_step",), "1", "uncertainty of a force by its picture, over its size"),
     "noise_scatter": Variable(("load_step", "i"), "length", "standard deviation of a measured displacement"),
     "noise_level": Variable(
         ("load_step", "i"), "length", "that of independent errors which weigh as much as those that points share do"

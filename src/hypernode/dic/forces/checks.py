@@ -37,6 +37,7 @@ class ForceLimits:
             on between two samples.
         jump_over_neighbours: a step between two samples over the largest of three before and after it. A steep curve
             or a slow recorder doubles it; a unit multiplies it by 9 at least.
+        samples_of_a_jump: fewest steps between samples among which one may stand out.
         jump_share: a step over the largest force; smaller ones are contact, stick and slip.
         stiffening, impossible_stiffening: largest over smallest secant stiffness of the steps beyond the first. Rubber
             has 3, skin 30; only a unit or a wrong channel has 300.
@@ -56,11 +57,14 @@ class ForceLimits:
     goes_on: float = 1.25
     unit_jump: float = 0.05
     jump_over_neighbours: float = 5.0
+    samples_of_a_jump: int = 8
     jump_share: float = 0.2
     stiffening: float = 30.0
     impossible_stiffening: float = 300.0
     softest: float = 0.01
     stiffest: float = 3e5
+    flowing: float = 300.0
+    stretched: float = 1.05
     clock_intervals: float = 3.0
     clock_deviations: float = 3.0
     least_sharpness: float = 0.5
@@ -167,6 +171,31 @@ def check_rest(
     ]
 
 
+def check_jumps(
+    time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], limits: ForceLimits = LIMITS
+) -> list[Finding]:
+    """The force [N] does not jump between two samples by far more than between those around them, to stay or back."""
+    steps = np.abs(np.diff(force))
+    padded = np.pad(steps, 3)
+    around = np.max([padded[k : k + len(steps)] for k in (0, 1, 5, 6)], axis=0)
+    usual = np.median(steps[steps > 0.0]) if steps.any() else 0.0
+    least = np.maximum(limits.jump_over_neighbours * np.maximum(around, usual), limits.least_rise * np.abs(force).max())
+    # Across a gap the force goes on, and by as much as it is long.
+    apart = np.diff(time)
+    jumps = np.flatnonzero((steps > least) & (apart < 2.0 * np.median(apart)))
+    if len(steps) < limits.samples_of_a_jump or not len(jumps):
+        return []
+    at = jumps[0]
+    return [
+        Finding(
+            f"the force jumps from {force[at]:.4g} to {force[at + 1]:.4g} N at {time[at + 1]:.4g} s, by more than "
+            f"{limits.jump_over_neighbours:g} times what it does before and after: a spike, a slip, or a zero that was "
+            "set anew; --set 'frames=[...]' chooses load steps elsewhere",
+            False,
+        )
+    ]
+
+
 def check_units(
     time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], limits: ForceLimits = LIMITS
 ) -> list[Finding]:
@@ -190,53 +219,3 @@ def check_units(
             True,
         )
     ]
-
-
-def check_stiffness(
-    stretch: Float[np.ndarray, " step"],
-    force: Float[np.ndarray, " step"],
-    area: float,
-    numbers,
-    limits: ForceLimits = LIMITS,
-) -> list[Finding]:
-    """The secant stiffness f/(A (s - 1)) of the load steps is that of a sheet.
-
-    Args:
-        stretch, force: of the load steps [N].
-        area: of the section [mm^2].
-        numbers: of their frames, for messages.
-        limits: where it is not.
-    """
-    known = stretch > 1.0
-    stretch, force, numbers = stretch[known], force[known], np.asarray(numbers)[known]
-    if not len(force):
-        return []
-    stiffness = force / (area * (stretch - 1.0))
-    if (stiffness <= 0.0).any():
-        at = int(np.argmin(stiffness))
-        return [
-            Finding(
-                f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
-                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
-                True,
-            )
-        ]
-    findings, later = [], stiffness[1:]
-    change = later.max() / later.min() if len(later) else 1.0
-    if change > limits.stiffening:
-        impossible = change > limits.impossible_stiffening
-        findings.append(
-            Finding(
-                f"force per area over stretch less one changes by a factor of {change:.3g} over the load steps beyond "
-                f"the first ({later.min():.3g} to {later.max():.3g} MPa), "
-                + ("as no sheet does: a unit or a channel is wrong" if impossible else "as very few sheets do"),
-                impossible,
-            )
-        )
-    middle = float(np.median(stiffness))
-    if not limits.softest <= middle <= limits.stiffest:
-        guess = "is the record in volts or in kN?" if middle < limits.softest else "is the record in mN, or in counts?"
-        findings.append(
-            Finding(f"a stiffness of {middle:.3g} MPa on {area:.4g} mm2 is that of no sheet: {guess}", False)
-        )
-    return findings

@@ -196,11 +196,13 @@ DIALECTS = (
     ),
 )
 
-#: Factors to s, N and mm. Case matters: mN is not MN. A column in V holds what no calibration has turned into a force.
+#: Factors to s, N, mm and MPa. Case matters: mN is not MN. A column in V holds what no calibration has turned into a
+#: force.
 TIME_UNITS = {"s": 1.0, "S": 1.0, "sec": 1.0, "Sec": 1.0, "SEC": 1.0, "ms": 1e-3, "min": 60.0}
 FORCE_UNITS = {
     "N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6,
     "daN": 10.0, "cN": 0.01, "kgf": 9.80665, "kp": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605,
 }  # fmt: skip
 LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3}
+STRESS_UNITS = {"MPa": 1.0, "N/mm2": 1.0, "N/mm²": 1.0, "N/mm^2": 1.0, "kPa": 1e-3, "Pa": 1e-6, "GPa": 1e3}
 VOLTS = ("V", "mV", "v", "mv", "Volt", "volt")

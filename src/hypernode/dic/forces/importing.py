@@ -8,17 +8,17 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.checks import Finding, check_reach, check_rest, check_rise, check_stiffness, check_units
+from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
-from hypernode.dic.forces.magnitude import crosshead_findings
+from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
+from hypernode.dic.forces.pairing import pairing_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
-from hypernode.dic.frames import mean_gradient, working_stretch
+from hypernode.dic.frames import first_loading, mean_gradient, working_stretch
 from hypernode.dic.increments import refuse_where_reached
-from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -36,6 +36,7 @@ class Forces:
         pulls: by component of the resultant, the record in its own clock, with that of the frames.
         time: of every load step in the clock of the record [s]; NaN where nothing tells it.
         force: by component, of every load step [N].
+        pairing: uncertainty of each by that of its frame, over its size; the largest of the components.
         findings: sentences on what is strange about them.
     """
 
@@ -43,6 +44,7 @@ class Forces:
     pulls: dict[Component, PullRecord]
     time: Float[np.ndarray, " step"]
     force: dict[Component, Float[np.ndarray, " step"]]
+    pairing: Float[np.ndarray, " step"]
     findings: tuple[str, ...]
 
 
@@ -120,21 +122,24 @@ def import_forces(
     """
     pulls, findings = heard.pulls, list(heard.findings)
     numbers = np.array([frame.number for frame in series.frames])
-    several = len(pulls) > 1
+    several, pairing = len(pulls) > 1, np.zeros(len(chosen))
     for part, pull in pulls.items():
         course, area = working_stretch(series, test.load, *part), sides[1 - part[1]] * thickness
         if not test.increments:
             refuse_where_reached(test.folder, course - 1.0, numbers, pull)
         found = _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
         if not any(each.refused for each in found):
-            found += crosshead_findings(test, pull, series, part, sides)
+            paired = pairing_of(test, pull, series, part)
+            pairing = np.maximum(pairing, paired.relative(pull, chosen))
+            found += crosshead_findings(test, pull, series, part, sides) + section_findings(pull, area)
+            found += paired.findings
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))
     time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
     force = {part: pull.forces(chosen) for part, pull in pulls.items()}
     path = heard.record.path
-    return Forces(path, pulls, time, force, _reported(test.folder, path, findings))
+    return Forces(path, pulls, time, force, pairing, _reported(test.folder, path, findings))
 
 
 def _record(test: SpecimenTest, series: Series) -> ForceRecord:
@@ -196,7 +201,7 @@ def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series
     pull, given = pulls[part], test.force_time_offset
     if pull.image is not None:
         return pulls, []
-    numbers, stretch = _first_loading(series, working_stretch(series, test.load, *part))
+    numbers, stretch = first_loading(series, working_stretch(series, test.load, *part))
     time = pull.times(numbers)
     offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
     if given != "estimate":
@@ -215,13 +220,6 @@ def _estimated(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[float, str
     return offset.seconds, f"offset of the force record: {offset}"
 
 
-def _first_loading(series: Series, course: Float[np.ndarray, " frame"]):
-    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
-    numbers = np.array([frame.number for frame in series.frames])
-    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
-    return numbers[seen], course[seen]
-
-
 def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: bool) -> list[Finding]:
     """What is strange about one force, against the course of the stretch with which it should grow."""
     seen = (numbers <= chosen.max()) & np.isfinite(course)
@@ -231,7 +229,7 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: 
     reached = pull.reached(numbers[seen])
     forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)
     findings = check_rise(course[seen][reached], forces)
-    findings += check_units(pull.time, pull.force)
+    findings += check_units(pull.time, pull.force) or check_jumps(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
     return findings + (check_rest(forces, explained) if reached[0] else [])
 

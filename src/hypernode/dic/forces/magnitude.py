@@ -1,10 +1,12 @@
-"""Whether machine and sheet speak of one size: the crosshead against the elongation, and factors that units make."""
+"""Whether machine and sheet speak of one size: crosshead and elongation, force and section, factors that units make."""
+
+from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Float
 
 from hypernode.config.specimen_tests import SpecimenTest
-from hypernode.dic.forces.checks import Finding
+from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
 from hypernode.dic.forces.matching import Component, PullRecord
 from hypernode.dic.frames import mean_gradient
 from hypernode.dic.series import Series
@@ -18,6 +20,12 @@ _LESS, _LEAST = 0.8, 0.3
 #: Factors that units and settings make, and how near to one a ratio must be.
 _FACTORS = {10.0: "cm for mm, or a setting", 25.4: "inches for mm", 100.0: "percent", 1000.0: "m, mm or micrometres"}
 _NEAR = 0.2
+#: The same of forces, and how far a section may be from that of the sheet: a width read off by eye.
+_FORCE_FACTORS = {
+    **{4.4482: "pounds for N", 9.80665: "kilograms or grams for N", 10.0: "cm for mm"},
+    **{100.0: "a setting", 1000.0: "kN, N or mN"},
+}
+_SECTION = 1.5
 #: Least share of its largest motion and of the sheet by which a crosshead moves between two frames that tell.
 _LEAST_STRAIN = 1e-3
 
@@ -68,10 +76,75 @@ def check_crosshead(
     return [Finding(sentence, refused)]
 
 
-def factor_of(ratio: float) -> str:
+def section_findings(pull: PullRecord, area: float) -> list[Finding]:
+    """What is strange about the section by which the record itself divides its force [mm^2]."""
+    own = pull.record.section
+    if own is None or 1.0 / _SECTION <= own / area <= _SECTION:
+        return []
+    sentence = (
+        f"the record divides its force by a section of {own:.3g} mm2, and that of the sheet is {area:.3g} mm2: a "
+        f"factor of {factor_of(own / area, _FORCE_FACTORS)}; check the unit of the force, width and thickness"
+    )
+    return [Finding(sentence, False)]
+
+
+def factor_of(ratio: float, factors: Mapping[float, str] = _FACTORS) -> str:
     """A ratio in words, with the unit that makes it where there is one."""
     large = max(ratio, 1.0 / ratio)
-    for factor, why in _FACTORS.items():
+    for factor, why in sorted(factors.items(), key=lambda each: abs(np.log(large / each[0]))):
         if abs(large / factor - 1.0) <= _NEAR:
             return f"{large:.3g}, as {why} would make ({factor:g})"
     return f"{large:.3g}"
+
+
+def check_stiffness(
+    stretch: Float[np.ndarray, " step"],
+    force: Float[np.ndarray, " step"],
+    area: float,
+    numbers,
+    limits: ForceLimits = LIMITS,
+) -> list[Finding]:
+    """The secant stiffness f/(A (s - 1)) of the load steps is that of a sheet.
+
+    Args:
+        stretch, force: of the load steps [N].
+        area: of the section [mm^2].
+        numbers: of their frames, for messages.
+        limits: where it is not.
+    """
+    known = stretch > 1.0
+    stretch, force, numbers = stretch[known], force[known], np.asarray(numbers)[known]
+    if not len(force):
+        return []
+    stiffness = force / (area * (stretch - 1.0))
+    if (stiffness <= 0.0).any():
+        at = int(np.argmin(stiffness))
+        return [
+            Finding(
+                f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
+                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
+                True,
+            )
+        ]
+    findings, later = [], stiffness[1:]
+    change = later.max() / later.min() if len(later) else 1.0
+    if change > limits.stiffening:
+        impossible = change > limits.impossible_stiffening
+        findings.append(
+            Finding(
+                f"force per area over stretch less one changes by a factor of {change:.3g} over the load steps beyond "
+                f"the first ({later.min():.3g} to {later.max():.3g} MPa), "
+                + ("as no sheet does: a unit or a channel is wrong" if impossible else "as very few sheets do"),
+                impossible,
+            )
+        )
+    middle = float(np.median(stiffness))
+    what = f"a stiffness of {middle:.3g} MPa on {area:.4g} mm2 is that of no sheet"
+    if middle < limits.softest:
+        findings.append(Finding(f"{what}: is the record in volts or in kN?", False))
+    elif middle > limits.stiffest:
+        findings.append(Finding(f"{what}: is the record in mN, or in counts?", False))
+    elif middle > limits.flowing and stretch.max() > limits.stretched:
+        what += f" that springs back from a stretch of {stretch.max():.3g}"
+        findings.append(Finding(f"{what}: is the record in mN, in grams or in counts, or the thickness wrong?", False))
+    return findings

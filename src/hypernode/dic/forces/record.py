@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.clock_times import with_seconds
-from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, Dialect
+from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, STRESS_UNITS, TIME_UNITS, VOLTS, Dialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.forces.pictures import picture_column, pictures_of
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
@@ -29,6 +29,7 @@ class ForceRecord:
         force: by sample and axis [N].
         displacement: of the crosshead or actuator by sample and axis [mm]; None where it is not recorded.
         channels: names of the columns of the force.
+        section: by which the record divides the one force to give a stress [mm^2]; None where it gives none.
     """
 
     path: Path
@@ -39,6 +40,7 @@ class ForceRecord:
     force: Float[np.ndarray, "sample axis"]
     displacement: Float[np.ndarray, "sample axis"] | None
     channels: tuple[str, ...]
+    section: float | None = None
 
     @property
     def program(self) -> str:
@@ -93,6 +95,7 @@ def read_force_record(
         values[:, -len(forces) :],
         _displacement(table, tuple(forces), decimal),
         tuple(table.header[at] for at in forces.values()),
+        _section(table, values[:, -1], decimal) if len(forces) == 1 else None,
     )
 
 
@@ -110,7 +113,9 @@ def record_of_frames(folder: Path, series: Series) -> ForceRecord:
     frames = [frame for frame in series.frames if frame.force is not None]
     numbers = np.array([frame.number for frame in frames], dtype=float)
     force = np.array([[frame.force] for frame in frames])
-    return ForceRecord(folder, None, None, numbers, (PULL,), force, None, ("force of each frame",))
+    way = [[frame.crosshead] for frame in frames]
+    way = None if [None] in way else np.array(way)
+    return ForceRecord(folder, None, None, numbers, (PULL,), force, way, ("force of each frame",))
 
 
 def _channel(table: Table, channel: str, key: str = "force_channel") -> int:
@@ -189,11 +194,16 @@ def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed
         try:
             samples.append([parse_number(cells[k], decimal) * factor for k, factor in columns])
         except ValueError:
-            raise DicError(f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}") from None
+            raise DicError(
+                f"{table.path}:{line}: not a sample: {','.join(cells)[:60]!r}: delete lines that hold none"
+            ) from None
         if not np.isfinite(samples[-1]).all():
             raise DicError(f"{table.path}:{line}: not finite: {','.join(cells)[:60]!r}")
         if timed and len(samples) > 1 and samples[-1][0] < samples[-2][0]:
-            raise DicError(f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s")
+            raise DicError(
+                f"{table.path}:{line}: time goes back from {samples[-2][0]:g} to {samples[-1][0]:g} s: delete rows "
+                "that are of another test, or name a column that goes on, --set time_channel=NAME"
+            )
     return np.array(samples)
 
 
@@ -208,6 +218,20 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
     except ValueError:
         return None
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
+
+
+def _section(table: Table, force: np.ndarray, decimal: str) -> float | None:
+    """Force [N] over the stress of a column beside it [MPa], where they are in one proportion."""
+    for at in (k for k, unit in enumerate(table.units) if unit in STRESS_UNITS):
+        try:
+            stress = STRESS_UNITS[table.units[at]] * np.array([parse_number(row[at], decimal) for _, row in table.rows])
+        except ValueError:
+            continue
+        large = np.abs(stress) > 0.3 * np.abs(stress).max(initial=0.0)
+        ratio = force[large] / stress[large]
+        if large.any() and np.median(ratio) > 0.0 and np.ptp(ratio) <= 0.1 * np.median(ratio):
+            return float(np.median(ratio))
+    return None
 
 
 def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:

@@ -61,6 +61,8 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
             first = first or rows
             table = _in_dialect(path, rows, each, channels, time)
             if table is not None:
+                if not text.endswith(("\n", "\r")):
+                    _refuse_cut(table)
                 return table
     if len(first) < 3:
         raise DicError(f"{path}: {_TOO_SHORT}")
@@ -69,6 +71,29 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
         f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: say which "
         "columns they are, --set force_channel=NAME and --set time_channel=NAME, or rename them"
     )
+
+
+def _refuse_cut(table: Table) -> None:
+    """Nothing, where the last number of a file whose last line has no end is written as those above it are.
+
+    Raises:
+        DicError: they have one number of decimals, and it has fewer: a number that is cut off is a number still.
+    """
+    line, cells = table.rows[-1]
+    k = _filled(cells) - 1
+    above = [row[k].strip() for _, row in table.rows[:-1] if len(row) > k]
+    number = cells[k].strip()
+    usual = set(map(_decimals, above))
+    if len(usual) == 1 and ({_decimals(number)} != usual or (usual == {0} and len(number) < len(above[-1]))):
+        raise DicError(
+            f"{table.path}:{line}: the last line has no end, and {number[:40]!r} has fewer digits than the numbers "
+            "above it: the file is cut off; copy or export it again, or end the line if it is whole"
+        )
+
+
+def _decimals(number: str) -> int:
+    """How many letters follow the last point or comma."""
+    return len(number) - 1 - max(number.rfind("."), number.rfind(",")) if set(number) & set(".,") else 0
 
 
 def _timed(dialect: Dialect, time: str | None) -> Dialect:

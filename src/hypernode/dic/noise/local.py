@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import nnls
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from hypernode.dic.noise.correlation import autocorrelation, best_length, lengths_up_to
 
@@ -28,12 +28,12 @@ _SPACINGS_A_DETAIL = 2.0
 _FEWEST = 12
 #: Differences beyond this many standard deviations are cut off as those of kinks.
 _CUT = 2.5
-_KEPT_VARIANCE = 1.0 - 2.0 * _CUT * norm.pdf(_CUT) / (2.0 * norm.cdf(_CUT) - 1.0)
+_KEPT_VARIANCE = 1.0 - 2.0 * _CUT * np.exp(-(_CUT**2) / 2.0) / np.sqrt(2.0 * np.pi) / (2.0 * ndtr(_CUT) - 1.0)
 #: Steps of non-negative least squares of seven unknowns, far more than they take.
 _MANY = 1000
 #: Level of a frame over that of the others, below which deformation took what is noise in it.
 _HIDDEN = 0.2
-_MAD = 1.0 / norm.ppf(0.75)
+_MAD = 1.0 / ndtri(0.75)
 
 
 def local_fit(
