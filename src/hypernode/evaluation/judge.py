@@ -106,7 +106,7 @@ def _at_both_deformations(files, found) -> Judgement:
     }
     stresses = {key: stress_at(found, mesh.centres, F) for key, F in deformations.items()}
     if "P_jump" in files.get("constrained", {}):
-        # Layers in equilibrium deform each in its own way; the material knows their mean at one deformation.
+        # A cell that a line cuts is of two layers; the material knows the one at its centre.
         stresses["identified"] = stresses["identified"] + files["constrained"]["P_jump"].values
     judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])
     for key, F in deformations.items():

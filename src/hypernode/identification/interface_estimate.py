@@ -11,14 +11,11 @@ from jaxtyping import Float, Int
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import ReducedEquations
 from hypernode.identification.interface_noise import Left
-from hypernode.identification.interfaces import SMALLEST_SHARE, Interfaces
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.laminates import laminate
 from hypernode.identification.points import Points
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.trace import Score
-
-#: Largest change of the logarithm of a layer's share in a sample, which is of first order.
-LARGEST_CHANGE = 1.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,48 +80,27 @@ class InterfaceEstimate(Estimate):
         columns = scipy.sparse.identity(len(self.going), format="csc")[:, np.flatnonzero(self.going)]
         return ReducedEquations(curvature, columns, columns.T @ self.held @ columns)
 
-    @functools.cached_property
-    def _layers(self):
-        """(material of both parts of every cell (part, cell), their shares)."""
-        of = self.field.grid_cells()
-        owner = np.tile(of.one, (2, 1))
-        shares = np.full(owner.shape, 0.5)
-        owner[1, of.cut] = of.other
-        shares[:, of.cut] = np.stack([of.share, 1.0 - of.share])
-        return owner, np.maximum(shares, SMALLEST_SHARE)
-
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
-        """Parameters of the two layers, or of the same material twice, whose mean is the stress of the cell.
-
-        The factor of the stress, an exponential of the first parameter, has the share of a layer in it.
-        """
-        owner, shares = self._layers
-        parts = np.moveaxis(self.field.materials[owner], -1, 0).copy()
-        parts[0] += np.log(2.0 * shares)
-        return parts
-
-    @property
-    def mixture(self) -> Float[np.ndarray, "cell parameter"]:
-        """Parameters of the material that most of every cell is of."""
-        return self.field.materials[self.labels]
+        """Parameters of the material at the centre of every cell, one part a cell."""
+        return self.field.materials[self.labels].T[:, None]
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
-        """What cells give way by the jump of the deformation across the interface: layers less both sides at one F."""
+        """Stress of a cell that a line cuts, of layers, less that of the material at its centre; zero elsewhere."""
         of, found = self.field.grid_cells(), np.zeros(F.shape)
         points, count = Points(self.basis), len(of.cut)
         if not count:
             return found
         flat = np.moveaxis(F[:, of.cut], (2, 3), (0, 1)).reshape(2, 2, -1)
-        each = self.field.materials[of.one[of.cut]].T, self.field.materials[of.other].T, of.share, of.normal.T
-        one, other, share, normal = (np.tile(part, len(F)) for part in each)
-        layers = laminate(points, flat, one, other, share, normal, False).P
-        sides = share * points.stress(flat, one)[0] + (1.0 - share) * points.stress(flat, other)[0]
-        found[:, of.cut] = np.moveaxis((layers - sides).reshape(2, 2, len(F), count), (0, 1), (2, 3))
+        centre = self.field.materials[self.labels[of.cut]]
+        each = of.materials[of.one[of.cut]].T, of.materials[of.other].T, of.share, of.normal.T, centre.T
+        *layers, centre = (np.tile(part, len(F)) for part in each)
+        jump = laminate(points, flat, *layers, False).P - points.stress(flat, centre)[0]
+        found[:, of.cut] = np.moveaxis(jump.reshape(2, 2, len(F), count), (0, 1), (2, 3))
         return found
 
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
-        """Fields that the test tells as little from this one as what it leaves allows, to first order.
+        """Fields that the test tells as little from this one as what it leaves allows, to first order; lines stay.
 
         The inverse curvature, with displacements as uncertain as what is left of them is large and shared: that of a
         wrong weight is the sandwich of Huber (The behavior of maximum likelihood estimates under nonstandard
@@ -138,28 +114,10 @@ class InterfaceEstimate(Estimate):
         draws = np.random.default_rng(seed).normal(size=(len(going), count))
         change = np.zeros((len(self.going), count))
         change[going] = np.linalg.solve(H, vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * draws))
-        return self._by_parts_changed(self.understated * change)
-
-    def _by_parts_changed(self, change):
-        """:attr:`by_parts` after changes of the numbers (number, sample), to first order."""
-        owner, shares = self._layers
         materials = self.field.materials
-        moved = change[: materials.size].reshape(*materials.shape, -1)
-        samples = np.moveaxis(moved[owner], (2, 3), (0, 1)) + self.by_parts[:, None]
-        of, line = self.field._cells(self.field.lines.grid, self.field.distances)
-        first = materials.size
-        for k, nodes in enumerate(self.near):
-            distances = np.zeros((self.field.distances.shape[1], change.shape[1]))
-            distances[nodes] = change[first : first + len(nodes)]
-            first += len(nodes)
-            own = of.cut[line == k]
-            slopes = self.field.lines.grid.slopes(self.field.distances[k])[own]
-            by_share = np.einsum("cv,cvs->sc", slopes, distances[self.field.lines.grid.mesh.cells[own]])
-            for part, sign in enumerate((1.0, -1.0)):
-                samples[0, :, part, own] += np.clip(
-                    sign * by_share / shares[part, own], -LARGEST_CHANGE, LARGEST_CHANGE
-                ).T
-        return samples
+        moved = self.understated * change[: materials.size].reshape(*materials.shape, count)
+        samples = (materials[:, :, None] + moved)[self.labels]
+        return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
 
     @functools.cached_property
     def _curvatures(self):

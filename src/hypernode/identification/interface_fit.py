@@ -1,7 +1,8 @@
 """Materials and lines that explain a test best: damped Gauss-Newton steps of a few numbers.
 
-The numbers are the parameters of all materials, the distances of nodes near the lines, and, where it is sought, the side
-of the window through which a camera sees. Far from the answer what is left of the displacements weighs as their noise.
+The numbers are the parameters of all materials and the distances of nodes near the lines. Where it is sought, the side
+of the window through which a camera sees is one more. Far from the answer, what is left of the displacements weighs as
+their noise.
 """
 
 import dataclasses
@@ -18,6 +19,10 @@ from hypernode.verdict import Ending
 
 #: Distance from a line, in sides of cells, within which it may change: corners of the cells that it cuts.
 REACH = 1.3
+#: In sides of cells: how near a line its distances bend, and by how much they usually do.
+BENT, BEND = 0.8, 0.3
+#: Inverse variance of what a step changes of distances without data. Regions of fewer nodes than a cell's are none.
+HELD, FEWEST = 3.0, 4
 #: Steps before which distances are measured anew, so that their slope stays one, and how many follow at least.
 MEASURED, SETTLED = (2, 5), 6
 #: What a step gains that ends a descent, and the same over the cost.
@@ -90,12 +95,13 @@ class InterfaceFit:
     Args:
         find_window: whether the side of the window is a number.
         move_lines: whether distances are.
+        settled: whether lines are near their place, so that distances need not be measured anew.
     """
 
-    def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True):
+    def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True, settled: bool = False):
         self.test, self._finds, self._moves = test, find_window, move_lines
         self._strategy, self._law = test.problem.strategy, test.problem.basis
-        self._window_error = 0.0
+        self._window_error, self._measures = 0.0, move_lines and not settled
 
     def near(self, field: Interfaces) -> list:
         """Nodes of which each line's distance is a number."""
@@ -109,8 +115,8 @@ class InterfaceFit:
         for row, nodes in zip(field.distances, near, strict=True):
             inside = np.zeros(len(row))
             inside[nodes] = 1.0
-            rows = (whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < self._strategy.layer_bent)
-            some = bends[np.flatnonzero(rows)][:, nodes] / self._strategy.layer_bend
+            rows = (whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT)
+            some = bends[np.flatnonzero(rows)][:, nodes] / BEND
             blocks.append(some.T @ some)
         return scipy.sparse.block_diag(blocks, format="csr")
 
@@ -123,7 +129,7 @@ class InterfaceFit:
         centre = np.concatenate([np.tile(centre, field.count), np.zeros(extra)])
         lowest = np.concatenate([np.tile(self._law.lowest, field.count), np.full(extra, -np.inf)])
         known = self._strategy.largest_step**-2.0
-        floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, self._strategy.layer_held)])
+        floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, HELD)])
         if self._finds:
             y, centre = np.append(y, self.test.window), np.append(centre, self.test.window)
             held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
@@ -141,10 +147,10 @@ class InterfaceFit:
         if states is None:
             return None
         history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
-        lines = self._moves and len(field.distances) > 0
+        lines = self._measures and len(field.distances) > 0
         for number in range(iterations):
             if lines and number in MEASURED:
-                anew = field.measured_anew(self._strategy.layer_fewest)
+                anew = field.measured_anew(FEWEST)
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
             sigma = test.sigma_of(states, sigma)

@@ -1,7 +1,7 @@
 """A few materials and the lines between them: the field of a sheet that is made of parts.
 
 Materials are laid one over the other, as coats of paint: the first is everywhere, each further one where the distance
-from its own line is positive. So any number of materials have lines of their own, and where two coats meet the later one
+from its own line is positive. So any number of materials have lines of their own. Where two coats meet, the later one
 hides the earlier. A cell that the uppermost line cuts is of two layers.
 """
 
@@ -132,8 +132,9 @@ class Interfaces:
         """The same with other numbers, in the order of :meth:`loads`."""
         materials, rest = y[: self.materials.size].reshape(self.materials.shape), y[self.materials.size :]
         distances = self.distances.copy()
-        for row, nodes, values in zip(distances, near, np.split(rest, np.cumsum([len(n) for n in near])[:-1])):
-            row[nodes] = values
+        ends = np.cumsum([0, *(len(nodes) for nodes in near)])
+        for k, nodes in enumerate(near):
+            distances[k, nodes] = rest[ends[k] : ends[k + 1]]
         return dataclasses.replace(self, materials=materials, distances=distances)
 
     def numbers(self, near) -> Float[np.ndarray, " number"]:

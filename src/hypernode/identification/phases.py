@@ -52,14 +52,6 @@ def on_finer_grid(problem: FieldProblem, settings: Constrained, before: Estimate
     return None if best is None or best.ambiguous else best.after(before)
 
 
-def of_one_material(near: Estimate) -> Estimate | None:
-    """The likeliest sheet of one material for the test of a field, or None where it has no equilibrium."""
-    labels = np.zeros(len(near.params), dtype=int)
-    materials = medians(near.problem.mesh, near.params, labels, near.basis.lowest)
-    start = _reached(near.objective, Phases(labels, materials), near)
-    return start and _with_materials(start).recorded("one material", near)
-
-
 def _may_be_phases(problem: FieldProblem) -> bool:
     """Whether noise makes many minima, and every cell is of one material.
 

@@ -77,4 +77,7 @@ class Points:
             function(F[..., index[first : first + BLOCK]], params[..., index[first : first + BLOCK]])
             for first in range(0, whole, BLOCK)
         ]
-        return [np.concatenate([np.asarray(each) for each in part], axis=-1)[..., :count] for part in zip(*found)]
+        return [
+            np.concatenate([np.asarray(each) for each in part], axis=-1)[..., :count]
+            for part in zip(*found, strict=True)
+        ]

@@ -46,7 +46,7 @@ class SeenTest:
         self.forces = [[f for f in problem.forces if f.step == k] for k in steps]
         flat = [f for each in self.forces for f in each]
         errors = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
-        self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1])
+        self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1]) if steps else []
         self._answers = None
         self.step = float(np.median(np.diff(observations.grid.lines[0])))
         self.see_through(observations.window / self.step if window is None else window)

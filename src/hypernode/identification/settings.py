@@ -167,32 +167,6 @@ class Strategy:
     #: Columns of the Jacobian at a time, for memory.
     columns_at_once: int = 128
 
-    #: Two materials in layers: rounds of a line's normals, steps of each, what both gain; share of a large misfit.
-    layer_rounds: int = 12
-    layer_steps: int = 4
-    layer_gain: float = 0.5
-    layer_nearer: float = 0.05
-    #: Rounds that measure distances anew. In sides of cells: how near the line they change, and bend; a usual bend.
-    layer_measured: int = 3
-    layer_reach: float = 1.6
-    layer_bent: float = 0.8
-    layer_bend: float = 0.3
-    #: Inverse variance of what a step changes of distances without data. Regions of fewer nodes than a cell's are none.
-    layer_held: float = 3.0
-    layer_fewest: int = 4
-
-    #: A window that nobody stated, in steps of the grid: where its side begins, as of subsets that overlap by half;
-    #: what is none; half of a difference for its derivative. Its largest share of a sheet; how often it changes at
-    #: most; by which share of itself it still changes where it is settled: windows of engines are known no better.
-    window_start: float = 2.0
-    window_seen: float = 0.5
-    window_difference: float = 0.05
-    window_longest: float = 0.25
-    window_rounds: int = 5
-    window_settled: float = 0.05
-    #: Side over its standard deviation from which it is certain that there is one.
-    window_certain: float = 3.0
-
     #: A grid of more cells begins from the field of every second of its lines: so many take a minute, and show where
     #: interfaces are. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600

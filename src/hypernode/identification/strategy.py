@@ -25,7 +25,6 @@ from hypernode.identification.finer_grid import from_coarser_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.interface_search import of_parts
-from hypernode.identification.layered import in_layers
 from hypernode.identification.other_minima import (
     perturbed,
     with_law_of_sheet,
@@ -38,16 +37,15 @@ from hypernode.identification.problem import field_problem
 from hypernode.identification.refuted_noise import refuted_noise
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.subcells import rivals, subdivided
-from hypernode.identification.unstated_window import unstated_window
 from hypernode.progress import say
 from hypernode.trace import table
 from hypernode.verdict import Ending
 
 
 def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
-    """The material field that explains a measurement, or comes nearest to it; see :func:`_field`.
+    """The material field that explains a measurement, or comes nearest to it.
 
-    Where two materials tell a window that the measurement does not state, a field is identified with that.
+    A few materials and lines between them, where these explain it; else a field of cells, see :func:`_field`.
     Where not even errors that points or steps seem to share explain what a field leaves, they are no errors but
     deformation: then each counts as an independent one. Where the field shows that noise is of another size than
     believed, a field is identified with that. Where noise does not explain what may as well be the error of finite
@@ -64,31 +62,23 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     parts = of_parts(measurement, settings, name, strategy)
     if parts is not None:
         return _said(parts, settings, name)
-    found = _identified(measurement, settings, name, strategy)
-    window = unstated_window(found, measurement, settings, name)
-    if window is not None:
-        seen = window.of(measurement)
-        behind = _identified(seen, settings, name, strategy)
-        if behind.layered and not behind.underfitted:
-            measurement, found = seen, behind.instead_of(found, because=f"again behind a window of {window.side:.3g}")
-        else:
-            found = found.instead_of(behind, because="no two materials explain the test behind that window")
+    found, _ = _field(measurement, settings, name, strategy)
     if found.problem.observations.scatter < 1.0 and found.unexplained > 1.0:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: what steps share is no noise; each error counts as its own")
         measurement = BelievedNoise(NoiseSource.INDEPENDENT).of(measurement)
-        again = _identified(measurement, settings, name, strategy)
+        again = _field(measurement, settings, name, strategy)[0]
         found = again.instead_of(found, because="again with errors that nothing shares")
     refuted = refuted_noise(found, measurement)
     if refuted is not None:
         misfit = found.misfits["displacement"]
         say("constrained", name, f"misfit {misfit:.2g}: noise is not as believed; again with {refuted}")
         measurement = refuted.of(measurement)
-        again = _identified(measurement, settings, name, strategy)
+        again = _field(measurement, settings, name, strategy)[0]
         found = again.instead_of(found, because=f"again with noise {refuted}")
     if found.problem.observations.contested and found.unexplained > 1.0:
         say("constrained", name, "noise does not explain it; that interfaces cut cells is counted beside it")
-        again = _identified(measurement, settings, name, replace(strategy, noise_rules=1.0))
+        again = _field(measurement, settings, name, replace(strategy, noise_rules=1.0))[0]
         found = again.instead_of(found, because="again with the error of elements beside the noise")
     return _said(found, settings, name)
 
@@ -99,11 +89,6 @@ def _said(found: Estimate, settings: Constrained, name: str) -> Estimate:
         say("constrained", name, line)
     _warn(found, settings, name)
     return found
-
-
-def _identified(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
-    """:func:`_field`, or that of two materials which an interface lies between."""
-    return in_layers(*_field(measurement, settings, name, strategy), settings, name)
 
 
 def _field(measurement, settings: Constrained, name: str, strategy: Strategy) -> tuple[Estimate, list[Estimate]]:

@@ -17,18 +17,6 @@ def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "param
     return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
 
 
-def field_of_cells(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter part cell"]]:
-    """That of :func:`basis_field`; where cells are layers, the field of mixtures that explains the test as well."""
-    basis, layers = basis_field(file)
-    mixtures = [file[f"mixture.{name}"].values for name in basis.names if f"mixture.{name}" in file]
-    return basis, np.stack(mixtures)[:, None] if mixtures else layers
-
-
-def mixture_content(basis: ConvexBasis, params: Float[np.ndarray, "cell parameter"]) -> dict[str, tuple]:
-    """Variables of a file from which :func:`field_of_cells` reads the same again."""
-    return {f"mixture.{name}": (("cell",), values) for name, values in zip(basis.names, params.T, strict=True)}
-
-
 def basis_content(
     basis: ConvexBasis, params: Float[np.ndarray, "parameter part cell"]
 ) -> tuple[dict[str, tuple], dict[str, str]]:

@@ -9,7 +9,7 @@ from hypernode.advice.candidates import LARGER, candidates
 from hypernode.advice.further_test import PROBES, Advice, AdviceError, advise
 from hypernode.config.methods import Constrained
 from hypernode.identification.problem import FieldProblem
-from hypernode.material.basis_file import field_of_cells
+from hypernode.material.basis_file import basis_field
 from hypernode.stages.as_identified import OtherUncertainty, problem_as_identified
 from hypernode.storage.netcdf import read
 from hypernode.storage.run_files import run_files
@@ -42,8 +42,7 @@ def run(folder: Path, larger: float = LARGER, count: int = PROBES) -> Advice:
         raise AdviceError(f"{paths['constrained']}: does not say with which settings it was made: run it again")
     settings = Constrained.model_validate(json.loads(field.attrs["settings"])["constrained"])
     problem, measurement = _problem(str(paths["constrained"]), measurement, field, settings)
-    # That both sides of an interface are one material each is a hypothesis, which a further test may refute.
-    _, stored = field_of_cells(field)
+    _, stored = basis_field(field)
     params = np.empty((len(problem.mesh.cells), len(stored)))
     params[problem.refinement.subcells.T] = np.moveaxis(stored, 0, -1)
     guesses = [problem.refinement.interpolation @ u for u in field["u"].values]
@@ -73,7 +72,7 @@ def _believed(name: str, files) -> None:
 
 def _problem(name: str, measurement, field, settings: Constrained) -> tuple[FieldProblem, object]:
     """The problem whose answer a field is, and the measurement as the identification took it in the end."""
-    basis, stored = field_of_cells(field)
+    basis, stored = basis_field(field)
     try:
         return problem_as_identified(measurement, field, settings, basis, round(stored.shape[1] ** 0.5))
     except OtherUncertainty as error:

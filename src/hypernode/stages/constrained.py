@@ -10,7 +10,7 @@ from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.strategy import identify
-from hypernode.material.basis_file import basis_content, mixture_content
+from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
 from hypernode.storage.netcdf import read, units_of, write
@@ -41,7 +41,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
     if found.layered:
-        variables |= {"P_jump": found.jump_stress(F)} | mixture_content(found.basis, found.mixture)
+        variables |= {"P_jump": found.jump_stress(F)}
     variables |= _geometry(found)
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:

@@ -161,7 +161,11 @@ VARIABLES = {
         ("cell",), "1", "misfit of displacements around a cell over that of the sheet or over noise, what is more"
     ),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
-    "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of layers less that of both at one F"),
+    "P_jump": Variable(
+        ("load_step", "cell", "i", "J"),
+        "stress",
+        "P of a cell that a line cuts less that of the material at its centre",
+    ),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),

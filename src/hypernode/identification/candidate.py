@@ -1,0 +1,83 @@
+"""A field of materials and lines that was tried, and what it scores."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from hypernode.identification.interface_fit import Fit
+from hypernode.identification.problem import FieldProblem
+from hypernode.trace import Score, Trial
+
+#: Standard deviations of the noise's level by which what is left may exceed it.
+BY_CHANCE = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A fit and its place in the search.
+
+    Attributes:
+        move: what was tried.
+        start: what it began from, None for the homogeneous sheet.
+        problem: with which law, on which finite elements.
+        fit: where the descent ended.
+        u: displacement of every load step in equilibrium or near it.
+    """
+
+    move: str
+    start: "Candidate | None"
+    problem: FieldProblem
+    fit: Fit
+    u: Mapping[int, Float[np.ndarray, "node 2"]]
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Of the law."""
+        return tuple(self.problem.basis.terms)
+
+    @property
+    def subcells(self) -> int:
+        """Rows and columns into which a cell of the grid is divided."""
+        return round(np.sqrt(self.problem.refinement.subcells.shape[1]))
+
+    @property
+    def leaves_more_than_noise(self) -> bool:
+        """Whether displacements leave more than their noise by chance."""
+        observations = self.problem.observations
+        return self.level > 1.0 + BY_CHANCE * observations.noise_uncertainty
+
+    @property
+    def level(self) -> float:
+        """What displacements leave, over what is believed of their noise."""
+        return self.fit.left.level / self.problem.observations.scatter
+
+    def gain_over(self, other: "Candidate") -> float:
+        """By how much the score is better than that of another candidate, for residuals as shared as here."""
+        independent = self.fit.left.independent
+        return other.score(independent).total - self.score(independent).total
+
+    def score(self, independent: float) -> Score:
+        """Minus the logarithm of the probability after the test, where what is left tells the noise.
+
+        Args:
+            independent: how many independent numbers the residuals of displacements are worth.
+        """
+        fit = self.fit
+        places = float(np.log(len(fit.field.lines.grid.mesh.cells)))
+        return Score(
+            displacements=independent * float(np.log(fit.misfit)),
+            forces=0.5 * fit.force_squared,
+            prior=fit.prior,
+            noise=0.0,
+            terms=0.5 * len(self.problem.basis.names) * float(np.log(max(independent, 2.0))),
+            determined=fit.determined,
+            places=len(fit.field.distances) * places,
+        )
+
+    def trial(self, start: Trial | None, independent: float) -> Trial:
+        """Its record, with :meth:`score`."""
+        misfits = {"displacement": self.fit.misfit, "force": self.fit.forces}
+        ending = str(self.fit.ending)
+        return Trial(self.move, start, self.terms, self.fit.field.count, misfits, self.score(independent), ending)

@@ -1,0 +1,109 @@
+"""Descents of one test with one law after the other, each recorded."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.candidate import Candidate
+from hypernode.identification.interface_fit import InterfaceFit
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.problem import FieldProblem, field_problem
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.settings import Strategy
+from hypernode.progress import say
+from hypernode.trace import Trace, Trial
+
+
+class Trials:
+    """All that was tried on a test.
+
+    Attributes:
+        measurement: the test, with the noise and the window that are believed by now.
+        settings: configuration of the stage.
+        name: of the case, for progress.
+    """
+
+    def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
+        self.measurement, self.settings, self.name, self.strategy = measurement, settings, name, strategy
+        self._problems: dict[tuple, FieldProblem] = {}
+        self._tried: list[Candidate] = []
+        self._reasons: dict[Candidate, str] = {}
+
+    def believe(self, measurement: xr.Dataset) -> None:
+        """Go on with another noise or another window."""
+        self.measurement = measurement
+        self._problems.clear()
+
+    def problem(self, terms, subcells: int = 1, floor: float = 0.0) -> FieldProblem:
+        """The test of a sheet of a law.
+
+        Args:
+            terms: of the law.
+            subcells: rows and columns into which every cell of the grid is divided.
+            floor: what finite elements miss of the displacements, beside their noise.
+        """
+        key = tuple(terms), subcells, floor
+        if key not in self._problems:
+            settings = self.settings.model_copy(update={"terms": list(terms)})
+            largest = float(np.nanmax(np.abs(self.measurement["u_measured"].values)))
+            least = self.strategy.same_grid_floor * largest
+            self._problems[key] = field_problem(self.measurement, settings, subcells, self.strategy, max(floor, least))
+        return self._problems[key]
+
+    def descend(
+        self,
+        move: str,
+        start: Candidate | None,
+        problem: FieldProblem,
+        field: Interfaces,
+        u: Mapping[int, np.ndarray],
+        steps: list[int],
+        iterations: int,
+        window: float | None = None,
+        find_window: bool = False,
+        move_lines: bool = True,
+        settled: bool = True,
+    ) -> Candidate | None:
+        """The candidate at the end of a descent; None without equilibrium.
+
+        Args:
+            move: what is tried, in words.
+            start: what it begins from.
+            u: displacement near equilibrium by load step, of these steps and of all others.
+            steps: load steps that count.
+            window, find_window, move_lines, settled: of :class:`SeenTest` and :class:`InterfaceFit`.
+        """
+        descent = InterfaceFit(SeenTest(problem, steps, window), find_window, move_lines, settled)
+        fit = descent.descend(field, [u[k] for k in steps], iterations)
+        law = ", ".join(problem.basis.terms) or "neo-Hookean"
+        if fit is None:
+            say("constrained", self.name, f"{move} ({law}): no equilibrium")
+            return None
+        sought = f", window of {fit.window:.2f} points" if find_window else ""
+        say(
+            "constrained",
+            self.name,
+            f"{move} ({law}): displacements missed by {fit.misfit:.3g}, forces by {fit.forces:.3g} of their noise, "
+            f"{fit.determined:.0f} numbers{sought}",
+        )
+        reached = {k: state[0] for k, state in zip(steps, fit.states, strict=True)}
+        found = Candidate(move, start, problem, fit, {**u, **reached})
+        self._tried.append(found)
+        return found
+
+    def passed_over(self, candidate: Candidate, reason: str) -> None:
+        """Why a candidate is not the answer."""
+        self._reasons[candidate] = reason
+
+    def trace(self, independent: float) -> tuple[Trace, dict[Candidate | None, Trial | None]]:
+        """(the record of all, the record of each).
+
+        Args:
+            independent: how many independent numbers residuals of displacements are worth.
+        """
+        trials: dict[Candidate | None, Trial | None] = {None: None}
+        for each in self._tried:
+            trials[each] = each.trial(trials[each.start], independent)
+        return Trace({trials[each]: self._reasons.get(each, "") for each in self._tried}), trials
