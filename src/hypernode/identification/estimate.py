@@ -154,7 +154,6 @@ class Estimate:
     @functools.cached_property
     def score(self) -> Score:
         """:func:`~hypernode.identification.score.score_of`, once for all that have one record."""
-        # What is unfinished has the record of where it began.
         if self.trial is not None and self.ending is not Ending.UNFINISHED:
             return self.trial.score
         return score_of(

@@ -3,13 +3,14 @@
 import dataclasses
 
 import numpy as np
+import scipy.sparse
 
 from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
-from hypernode.identification.interface_fit import InterfaceFit
+from hypernode.identification.interface_fit import HELD, InterfaceFit
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.objective import Objective
 from hypernode.identification.regulariser import JumpCost
@@ -91,7 +92,8 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         field=fit.field,
         near=near,
         going=going,
-        held=descent.held(fit.field, near),
+        # Where neither data nor bends say anything of a distance, it is known to some cells.
+        held=descent.held(fit.field, near) + scipy.sparse.diags(np.where(np.arange(count) < materials.size, 0.0, HELD)),
         left=fit.left,
         scored=score,
     )

@@ -39,6 +39,8 @@ FINER = 2
 STEPS, FINER_STEPS, LAW_STEPS = 15, 8, 6
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
 EVIDENCE = 3.0
+#: Difference of the logarithms of stiffness up to which two materials are tried as one.
+ALIKE = 0.15
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
 NOT_MADE_OF_FEW = 3.0
 #: Terms that say more of another one.
@@ -122,6 +124,27 @@ class Search:
         if kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
             say("constrained", trials.name, "few materials leave far more than a factor in every cell")
             return None
+        return self._merged(kept)
+
+    def _merged(self, kept: Candidate) -> Candidate:
+        """Materials that are as stiff as one another as one, as long as two do not explain more."""
+        trials = self._trials
+        while kept.fit.field.count > 2:
+            level, _ = kept.problem.stiffness(kept.fit.field.materials)
+            apart, one, other = min((abs(level[i] - level[j]), i, j) for i in range(len(level)) for j in range(i))
+            if apart > ALIKE:
+                break
+            field, window = kept.fit.field.merged(one, other), kept.fit.window
+            move = "two materials as one"
+            found = trials.descend(
+                move, kept, kept.problem, field, kept.u, self._steps, FINER_STEPS, window, self._finds, settled=False
+            )
+            if found is None or kept.gain_over(found) > EVIDENCE:
+                if found is not None:
+                    trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against two")
+                break
+            trials.passed_over(kept, f"scores {kept.gain_over(found):+.1f} against one material less")
+            kept = found
         return kept
 
     def _law(self, kept: Candidate) -> Candidate:

@@ -17,7 +17,7 @@ from hypernode.fem.refinement import Refinement
 from hypernode.identification.sheet import CellMaterials, CellResponse
 
 #: Share of a cell below which a layer of it is none.
-SMALLEST_SHARE = 1e-9
+SMALLEST_SHARE = 1e-5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,6 +145,18 @@ class Interfaces:
         """The same lines, from which distances are measured anew; regions of fewer nodes are none."""
         distances = [self.lines.grid.distance(row, fewest) for row in self.distances]
         return dataclasses.replace(self, distances=np.array(distances).reshape(self.distances.shape))
+
+    def merged(self, one: int, other: int) -> "Interfaces":
+        """The same with what is of the later of two materials given to the earlier one."""
+        one, other = sorted((one, other))
+        distances = list(self.distances)
+        gone = distances.pop(other - 1)
+        for k in range(other - 1):
+            # What it hid stays hidden, but of the material that it joins.
+            distances[k] = np.maximum(distances[k], gone) if k == one - 1 else np.minimum(distances[k], -gone)
+        kept = np.delete(self.materials, other, axis=0)
+        shape = len(kept) - 1, self.distances.shape[1]
+        return dataclasses.replace(self, materials=kept, distances=np.array(distances).reshape(shape))
 
     def on(self, lines: Lines) -> "Interfaces":
         """The same on other finite elements of the same grid."""

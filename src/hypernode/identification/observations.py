@@ -111,17 +111,17 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
     in_doubt = floor is None and subcells == 1 and not own_grid and information is None
     rules = strategy.noise_rules if in_doubt else 1.0
-    told = floor is not None
-    if not told:
-        floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
+    told = own_grid or floor is not None
+    floor = (
+        strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max() if floor is None else floor
+    )
     cut = is_cut_out(measurement)
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     seen = seen_points(refinement, *correlation_window(measurement))
     levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)
     noisy = bool(noise >= rules * floor)
-    # What finite elements make of cut cells is no noise: where noise rules, it is all that hides them. Where it is
-    # known what they leave, that counts.
-    beside = floor if own_grid or not noisy or told else 0.0
+    # What finite elements make of cut cells is no noise, and counts beside it only where it is told.
+    beside = floor if told or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
     error, weighed = window_errors(measurement, grid, u, not believed_noise.shared_by_none)
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)

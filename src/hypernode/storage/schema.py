@@ -154,18 +154,12 @@ VARIABLES = {
     "loss": Variable(("iteration",), "1", "training loss"),
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
     "material_label": Variable(("cell",), "1", "material that has most of a cell, from 0"),
-    "interface_distance": Variable(
-        ("interface", "node"), "1", "distance from the line of material 1, 2, ... in sides of a cell, positive in it"
-    ),
+    "interface_distance": Variable(("interface", "node"), "1", "sides of a cell from a line, positive in its material"),
     "local_misfit": Variable(
         ("cell",), "1", "misfit of displacements around a cell over that of the sheet or over noise, what is more"
     ),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
-    "P_jump": Variable(
-        ("load_step", "cell", "i", "J"),
-        "stress",
-        "P of a cell that a line cuts less that of the material at its centre",
-    ),
+    "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of a cut cell less that of the law at its centre"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
     "P_homogenised": Variable(("load_step", "i", "J"), "stress", "homogenised stress at the mean F"),
