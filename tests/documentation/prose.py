@@ -16,8 +16,8 @@ _NO_PROSE = (
 _PARAGRAPH = re.compile(r"\n\s*(?:[-*]|\d+\.)\s+|\n\s*\n|\n *(?:Args|Raises|Returns|Attributes):|\n +[\w, ]+: ")
 _SENTENCE = re.compile(r"(?<=[.!?])[)\"*_]*\s+(?=[\"'(*_`]*[\w`$\[/])")
 #: One word each, whatever it holds: code, a formula, and what a link shows instead of where it leads.
-_ONE_FORMULA = re.compile(r" (=|->) ")
-_WORD = ((r"`[^`]*`", "code"), (r"\$[^$]*\$", "formula"), (r"\[([^\]]*)\]\([^)]*\)", r"\1"))
+_ONE_WORD = ((r"`[^`]*`", "code"), (r"\$[^$]*\$", "formula"), (r"\[([^\]]*)\]\([^)]*\)", r"\1"))
+#: A line of a formula, such as ``P = dPsi / dF``.
 _FORMULA = re.compile(r" (=|->) ")
 _WORD = re.compile(r"[\w'./%+-]*\w[\w'./%+-]*")
 
