@@ -3,7 +3,7 @@
 import pytest
 
 from tests.documentation.copy import ROOT
-from tests.documentation.prose import sentences, words
+from tests.documentation.prose import docstrings, sentences, words
 
 #: No sentence has more words than the first; fewer than one in twenty have more than the second.
 LONGEST, LONG = 30, 25
@@ -34,4 +34,29 @@ def test_no_sentence_of_a_page_must_be_read_twice(page):
 def test_few_sentences_of_all_pages_are_long():
     lengths = [words(each) for page in PAGES for each in sentences(page.read_text())]
     assert len(lengths) > 500
+    assert sum(length > LONG for length in lengths) < len(lengths) / 20
+
+
+#: Rooms whose docstrings have longer sentences, and how many at most.
+LEFT = {"identification": 46, "dic": 14, "evaluation": 5, "data": 5}
+
+
+@pytest.fixture(scope="module")
+def said():
+    """Room -> the sentences of its public docstrings."""
+    package, found = ROOT / "src/hypernode", {}
+    for path in package.rglob("*.py"):
+        room = path.relative_to(package).parts[0]
+        found.setdefault(room, []).extend(each for _, text in docstrings(path) for each in sentences(text))
+    return found
+
+
+def test_no_sentence_of_a_docstring_must_be_read_twice(said):
+    longer = {room: [each for each in spoken if words(each) > LONGEST] for room, spoken in said.items()}
+    assert {room: each for room, each in longer.items() if len(each) > LEFT.get(room, 0)} == {}
+
+
+def test_few_sentences_of_docstrings_are_long(said):
+    lengths = [words(each) for room, spoken in said.items() if room not in LEFT for each in spoken]
+    assert len(lengths) > 1000
     assert sum(length > LONG for length in lengths) < len(lengths) / 20

@@ -5,10 +5,9 @@ deform as
 
 F_A = F + (1 - c) a x N,   F_B = F - c a x N,
 
-so that F is their mean and they stay together. The jump a is the one at which both have the same traction,
-(P_A - P_B) N = 0, and the energy is least; the stress of the cell is c P_A + (1 - c) P_B. Such laminates take the place
-of mixtures in cells of composites (Kabel, Merkert and Schneider, Use of composite voxels in FFT-based homogenization,
-Computer Methods in Applied Mechanics and Engineering 294, 2015).
+so that F is their mean and they stay together. The jump a is the one at which both have the same traction, (P_A - P_B)
+N = 0, and the energy is least. The stress of the cell is c P_A + (1 - c) P_B. Such laminates take the place of mixtures
+in cells of composites (Kabel, Merkert and Schneider, Computer Methods in Applied Mechanics and Engineering 294, 2015).
 """
 
 from dataclasses import dataclass
