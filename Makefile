@@ -64,7 +64,7 @@ lint: $(VENV)/dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
-	$(BIN)/python -m pytest -q tests/workflow/test_lint.py
+	$(BIN)/python -m pytest -q --noconftest tests/workflow/test_lint.py
 
 unit: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" tests --ignore tests/workflow
@@ -88,7 +88,7 @@ pyvale-env: .venv-pyvale/run
 al-dic-env: .venv-al-dic/run
 
 smoke: $(VENV)/dev
-	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
 # The explorer in Chromium, which the system must have: apt-get install chromium.
 browser: $(VENV)/browser
