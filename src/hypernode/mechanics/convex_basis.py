@@ -43,6 +43,7 @@ from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
 from hypernode.mechanics.parameters import BASIS_TERMS
+from hypernode.mechanics.point_law import traced_once
 from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
@@ -135,12 +136,7 @@ class ConvexBasis:
         return np.array([0.0, *(value for term in self.terms for value in PARAMETERS[term].values())])
 
     def energy(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "..."]:
-        """Energy density of a sheet in plane stress.
-
-        Args:
-            F: in-plane deformation gradient F[i, J, ...].
-            params: parameters in the order of :attr:`names`, broadcastable to the batch shape.
-        """
+        """Energy density of a sheet in plane stress, of ``params`` in the order of :attr:`names`."""
         p = dict(zip(self.names, params, strict=True))
         I = invariants(F, 0.0)
         e1, e2 = self._isotropic(I), I.I2 - 3.0
@@ -163,6 +159,7 @@ class ConvexBasis:
             total = total + strength * squares / (2.0 * self.invariant_scale)
         return jnp.exp(p["log_level"]) * total
 
+    @traced_once
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
         p = dict(zip(self.names, params, strict=True))

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hypernode.mechanics.point_law import PointLaw
+from hypernode.mechanics.point_law import PointLaw, traced_once
 
 #: Steps of Newton's method for the jump at most: quadratic from where strains of the sides differ by some tenths.
 NEWTON_STEPS = 8
@@ -58,6 +58,7 @@ class Layers:
         same = np.broadcast_to(np.concatenate([[0.0], *materials]), (len(share), 1 + materials.size))
         return np.concatenate([same, share[:, None], normal], axis=1)
 
+    @traced_once
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...] of the layers together.
 
