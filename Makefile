@@ -18,14 +18,16 @@ endif
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
 
+## Results
+
 # Every result of config/config.yaml.
 all: $(VENV)/run
 	$(RUN)
 
 # This list.
 help:
-	@awk '/^# /{doc=substr($$0,3)} /^[a-z-]+:/{split($$0,t,":"); if (doc) printf "  make %-10s %s\n", t[1], doc; doc=""} \
-	  /^$$/{doc=""}' Makefile
+	@awk '/^## /{printf "%s%s\n", sep, substr($$0,4); sep="\n"} /^# /{if (doc == "") doc=substr($$0,3)} /^$$/{doc=""} \
+	  /^[a-z-]+:/{split($$0,t,":"); if (doc) printf "  make %-10s %s\n", t[1], doc; doc=""}' Makefile
 
 # One small sheet with its figure and its page, into results/: two minutes.
 example: $(VENV)/run
@@ -42,6 +44,19 @@ resume: $(VENV)/run
 verdict: $(VENV)/run
 	$(BIN)/python -m hypernode verdict results
 
+# Ablations, seeds and other functions that neither the paper nor the README needs, into results/.
+ablations: $(VENV)/run
+	$(RUN) --configfile config/ablations.yaml
+
+# The report is made aside and then filed among the results that it shows, with a record as they have.
+report: $(VENV)/run
+	mkdir -p .cache
+	$(BIN)/snakemake --report .cache/report.zip
+	$(BIN)/python -m hypernode audit report .cache/report.zip results
+	@echo 'begin with results/index.html'
+
+## Tests
+
 # Lint, unit tests and a small run of the whole pipeline.
 test: lint unit smoke
 
@@ -49,7 +64,7 @@ lint: $(VENV)/dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check Snakefile workflow
-	$(BIN)/python -m pytest -q tests/workflow/test_lint.py
+	$(BIN)/python -m pytest -q --noconftest tests/workflow/test_lint.py
 
 unit: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" tests --ignore tests/workflow
@@ -57,6 +72,8 @@ unit: $(VENV)/dev
 # Laws that take whole identifications.
 laws: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests
+
+## Tests with more in the environment, or of minutes
 
 # An identified sheet in felupe against the project's own finite elements; installs felupe: a minute.
 felupe: $(VENV)/dev
@@ -71,16 +88,7 @@ pyvale-env: .venv-pyvale/run
 al-dic-env: .venv-al-dic/run
 
 smoke: $(VENV)/dev
-	$(BIN)/python -m pytest -q tests/workflow --smoke --ignore tests/workflow/test_lint.py
-
-# Many noisy tests of known sheets, without networks, into results/: over an hour. Fails beyond stated bounds.
-accuracy: $(VENV)/dev
-	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
-	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
-
-# Ablations, seeds and other functions that neither the paper nor the README needs, into results/.
-ablations: $(VENV)/run
-	$(RUN) --configfile config/ablations.yaml
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
 # The explorer in Chromium, which the system must have: apt-get install chromium.
 browser: $(VENV)/browser
@@ -108,6 +116,8 @@ wheel: $(VENV)/dev
 pythons: $(VENV)/dev
 	$(BIN)/python -m pytest -q -rs tests/packaging/test_pythons.py --pythons
 
+## Documentation
+
 # The documentation in site/; a warning is an error. Figures are those of results/, where it is there.
 docs: $(VENV)/run $(DOCS)/run
 	$(DOCS)/bin/python -m docs.generator --command "$(abspath $(BIN))/hypernode"
@@ -116,12 +126,12 @@ docs: $(VENV)/run $(DOCS)/run
 doctest: $(VENV)/dev
 	$(BIN)/python -m pytest -q -rs tests/documentation --blocks
 
-# The report is made aside and then filed among the results that it shows, with a record as they have.
-report: $(VENV)/run
-	mkdir -p .cache
-	$(BIN)/snakemake --report .cache/report.zip
-	$(BIN)/python -m hypernode audit report .cache/report.zip results
-	@echo 'begin with results/index.html'
+## Accuracy and speed
+
+# Many noisy tests of known sheets, without networks, into results/: over an hour. Fails beyond stated bounds.
+accuracy: $(VENV)/dev
+	$(BIN)/snakemake --cores $(CORES) --configfile config/accuracy.yaml
+	$(BIN)/python -m pytest -q tests/workflow/test_accuracy.py --accuracy
 
 # The further test that is advised against a random one, on ten small sheets: a quarter of an hour.
 next-test: $(VENV)/dev
@@ -133,6 +143,7 @@ strangers: SEEDS ?= $(shell seq 1001 1024)
 strangers: $(VENV)/dev
 	$(BIN)/python -m benchmarks.strangers $(SEEDS) --cores $(CORES)
 
+# Times of single steps: training, whole cases, forward problems, import, records.
 bench: $(VENV)/run
 	$(BIN)/python benchmarks/training_step.py
 	$(BIN)/python benchmarks/whole_case.py X P_soft ring_low

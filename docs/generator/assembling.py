@@ -24,7 +24,7 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
     for name in ("config/README.md", "CHANGELOG.md"):
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(root / name, target / name)
-    made = target / "docs"
+    made, folder = target / "docs", root / "docs" / "decisions"
     index = (made / "index.md").read_text(encoding="utf-8")
     schema = subprocess.run([*command, "schema", "config"], capture_output=True, text=True, check=True).stdout
     pages = {
@@ -32,7 +32,7 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
         "reference/configuration.md": configuration.page(json.loads(schema)),
         "reference/commands.md": commands.page(command),
         "reference/interface.md": interface.page(root / "src" / "hypernode"),
-        "decisions/index.md": decisions.page(root / "docs" / "decisions"),
+        "decisions/index.md": decisions.page(folder) + decisions.menu(folder),
         "gallery.md": gallery.page(results, made / "figures"),
     }
     for name, text in pages.items():

@@ -37,6 +37,14 @@ def test_every_block_says_what_it_is(page):
     assert not idle, "no line begins like those that are left out"
 
 
+def test_every_command_of_the_readme_runs_but_the_tests_themselves():
+    left_out = [block for block in BLOCKS[Path("README.md")] if block.left_out]
+    lines = [line for block in BLOCKS[Path("README.md")] for line in block.text.splitlines()]
+    run = [line for block in BLOCKS[Path("README.md")] for line in block.code.splitlines()]
+    assert left_out == [] and len(run) > 10
+    assert [line.split(" #")[0].strip() for line in lines if line not in run] == ["make test"]
+
+
 @pytest.mark.parametrize("page", PAGES, ids=str)
 def test_configurations_of_a_page_are_valid_over_those_before_them(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -1,6 +1,7 @@
 """Running the workflow in a folder of its own, and reading what it plans and leaves."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,12 @@ def snakemake(folder, *arguments, config=ROOT / "config" / "smoke.yaml"):
     command += ["--profile", str(ROOT / "profiles" / "default"), "--directory", str(folder), "--cores", "2"]
     command += ["--configfile", str(config)]
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+
+
+def copied(folder, target):
+    """A copy of a run, without what another process that plans in its folder at the same time writes and deletes."""
+    shutil.copytree(folder, target, ignore=shutil.ignore_patterns("locks", "log", "iocache"))
+    return target
 
 
 def declared(plan, *keys):

@@ -59,6 +59,8 @@ def test_the_crate_holds_its_workflow_and_keeps_the_workflow_run_profile(smoke, 
     folder = smoke / "results"
     crate = ROCrate(folder)
     assert (folder / crate.mainEntity.id).read_bytes() == (ROOT / "Snakefile").read_bytes()
+    included = "workflow/Snakefile"
+    assert (folder / "definition" / included).read_bytes() == (ROOT / included).read_bytes()
     scripts = {p.name for p in (ROOT / "workflow/scripts").glob("*.py")}
     assert {p.name for p in (folder / "definition/workflow/scripts").glob("*.py")} == scripts
     assert problems_of_crate(folder, monkeypatch) == []

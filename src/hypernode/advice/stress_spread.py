@@ -22,12 +22,12 @@ REDUNDANT = 1e-3
 class StressSpread:
     """Root mean square of the posterior deviation of the stress, over cells and homogeneous deformations, relative.
 
-    The stress P of the cells under the probe modes is linear in the parameters near the best field, with the
-    derivative S, so that its variance is the trace of A = S H^-1 S^T with the inverse covariance H of the posterior.
-    A is known as products with random signs, each a solve with H. Where few directions make up most of A, as the level
-    of the stress does, their share is exact and only the rest is left to chance (Epperly, Tropp and Webber, XTrace,
-    SIAM Journal on Matrix Analysis and Applications 45, 2024). The same signs for all tests leave of chance little in a
-    comparison.
+    Near the best field, the stress P of the cells under the probe modes is linear in the parameters, with the
+    derivative S. Its variance is the trace of A = S H^-1 S^T, with the inverse covariance H of the posterior. A is
+    known as products with random signs, each a solve with H. Where few directions make up most of A, as the level of
+    the stress does, their share is exact and only the rest is left to chance. This is XTrace (Epperly, Tropp and
+    Webber, SIAM Journal on Matrix Analysis and Applications 45, 2024). The same signs for all tests leave of chance
+    little in a comparison.
 
     Args:
         objective: what was minimised, which knows jumps and ridge.

@@ -4,8 +4,8 @@ The gap between a stress tau and that of the material (Geymonat and Pagano 2003;
 
     E(tau, mu) = sum of integrals |tau - mu U(F)|^2 / mu,   tau in equilibrium with the measured forces,
 
-is minimised over tau with mu fixed, which is a linear problem, tau = mu (U + grad v), and over mu in every cell with
-tau fixed, where mu^2 = |tau|^2 / |U|^2. Both lower it, and it is convex in both: the alternation ends at its minimum.
+is minimised by turns. With mu fixed, tau = mu (U + grad v) is a linear problem. With tau fixed, mu^2 = |tau|^2 / |U|^2
+in every cell. Both lower the gap, and it is convex in both: the alternation ends at its minimum.
 """
 
 import numpy as np

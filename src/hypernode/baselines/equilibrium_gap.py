@@ -1,7 +1,7 @@
 """One modulus from the forces, and the equilibrium gap: a neo-Hookean modulus in every cell.
 
-A virtual-fields method with one hat function a node (Claire, Hild and Roux 2004). What a baseline of this package
-assumes of a material is that its stress is mu_c U(F) in cell c, with U that of a neo-Hookean sheet of unit coefficient.
+A virtual-fields method with one hat function a node (Claire, Hild and Roux 2004). Baselines of this package assume that
+the stress is mu_c U(F) in cell c, with U that of a neo-Hookean sheet of unit coefficient.
 """
 
 import jax.numpy as jnp

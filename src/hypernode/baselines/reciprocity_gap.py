@@ -4,11 +4,11 @@ For every state v of a homogeneous sheet with shear modulus mu, tractions T(v), 
 
     R(v) = integral over the outline of t . v - T(v) . u  =  integral of (C - C0) e(u) : e(v),
 
-vanishes where there is no inclusion. Linearised about a uniform strain e0 (Born), and of an inclusion that is small,
-it is the inclusion's amount m times (C1 e0) : e(v) at its place, with C1 the stiffness of unit shear modulus. The
-states are those of complex potentials phi = a z^n, psi = b z^n of an incompressible sheet in plane stress,
-kappa = 5/3, so that v is V / mu with V known. At every place the best mu and m follow by least squares; the place that
-leaves least is taken. Assumed are small strains, one compact inclusion, and known tractions all along the outline.
+vanishes where there is no inclusion. It is linearised about a uniform strain e0 (Born). For a small inclusion of amount
+m it is then m (C1 e0) : e(v) at its place, with C1 the stiffness of unit shear modulus. The states are those of complex
+potentials phi = a z^n, psi = b z^n of an incompressible sheet in plane stress, kappa = 5/3. So v is V / mu with V
+known. At every place the best mu and m follow by least squares; the place that leaves least is taken. Assumed are small
+strains, one compact inclusion, and known tractions all along the outline.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """The virtual fields method with sensitivity-based virtual fields.
 
-Of a material P = sum_r mu_r U 1_r with the modulus mu_r in region r, the virtual field of that modulus is the one whose
-gradient comes closest to what the stress changes with it (Marek, Davis and Pierron 2017),
+The material is P = sum_r mu_r U 1_r, with the modulus mu_r in region r. The virtual field of a modulus is the one whose
+gradient comes closest to the derivative of the stress by it (Marek, Davis and Pierron 2017),
 
     u*_r = argmin integral |grad u* - U(F) 1_r|^2,   integral P : grad u*_r = f . u*_r,
 

@@ -1,8 +1,8 @@
 """Formulas of scalars as numbered statements, whose text is JavaScript and Python alike.
 
-A statement is ``a7=a3*p[2]``: names of earlier statements, inputs such as ``p[2]``, numbers, arithmetic, and functions
-of :data:`FUNCTIONS`, which both languages call by one name. Equal formulas are one statement, and what is made of
-numbers alone is a number.
+A statement is, for example, ``a7=a3*p[2]``. It has names of earlier statements, inputs such as ``p[2]``, numbers,
+arithmetic, and functions of :data:`FUNCTIONS`. Both languages call these by one name. Equal formulas are one statement,
+and what is made of numbers alone is a number.
 """
 
 import math

@@ -84,9 +84,9 @@ def stacked(curves: list[Curves]):
 def curves_of(run: Run) -> list[Curves]:
     """Those of every phase, from the softest.
 
-    The deformations are the mean one of the phase in every step of the test, and the homogeneous modes as far as they
-    stay within what the cells of the phase have seen, at as many amplitudes as a load case has steps: that is how many
-    numbers the test has measured.
+    The deformations are the mean one of the phase in every step of the test, and the homogeneous modes. Modes go as far
+    as the cells of the phase have seen. They have as many amplitudes as a load case has steps, since the test has
+    measured as many numbers.
     """
     phases, area = run.phase, run.mesh.areas
     return [_curves(run, phase, np.flatnonzero(phases == phase), area) for phase in np.unique(phases)]

@@ -81,8 +81,8 @@ def demiray(I: Mapping, p: Mapping):
 def logarithmic_neo_hookean(I: Mapping, p: Mapping):
     """Psi = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2 of the solid (Simo and Pister 1984), where S33 = 0.
 
-    The thickness stretch t has mu (t^2 - 1) + lambda ln (J t) = 0, with J in the plane: there Psi has its minimum, so
-    that its derivatives are those at a given t.
+    The thickness stretch t has mu (t^2 - 1) + lambda ln (J t) = 0, with J in the plane. There Psi has its minimum over
+    t. So its derivatives are those at a given t.
     """
     mu, la, J = p["mu"], p["lambda"], I["J"]
     log_J = np.log(J)

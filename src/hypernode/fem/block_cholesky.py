@@ -1,8 +1,8 @@
 """Cholesky factors of a sheet's grid, line by line of nodes, for solves inside compiled code.
 
-Unknowns of a line of nodes meet only those of the lines beside it, so that the matrix is block tridiagonal, and so is
-its factor L: sheets of n x n cells take 2 n^3 numbers instead of the n^4 of an inverse, and a solve is two passes over
-the lines.
+Unknowns of a line of nodes meet only those of the lines beside it. So the matrix is block tridiagonal, and so is its
+factor L. A sheet of n x n cells takes 2 n^3 numbers instead of the n^4 of an inverse. A solve is two passes over the
+lines.
 """
 
 from typing import NamedTuple

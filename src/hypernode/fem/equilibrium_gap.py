@@ -78,11 +78,10 @@ _energies.defvjp(_energies_and_field, lambda field, slope: (2.0 * slope * field,
 class EquilibriumGap:
     """Distance of a stress field from the nearest one in equilibrium with the measured forces.
 
-    The residual of the virtual work, R = sum P : grad phi - f, is measured in the norm dual to the
-    energy of the test functions: gap^2 = R K^-1 R / (A |P_ave|^2) with K the Laplacian on the same
-    functions. That equals the relative L2 distance to the nearest statically admissible stress, and
-    weights the residual by the inverse covariance of the divergence of a white stress error, so
-    that equilibrium and resultants need no weights of their own.
+    The residual of the virtual work is R = sum P : grad phi - f. It is measured in the norm dual to the energy of the
+    test functions. With K the Laplacian on the same functions, gap^2 = R K^-1 R / (A |P_ave|^2). That equals the
+    relative L2 distance to the nearest statically admissible stress. It also weights the residual by the inverse
+    covariance of the divergence of a white stress error. So equilibrium and resultants need no weights of their own.
 
     Attributes:
         work: sparse maps[i][J] from cell stress to the virtual work (test function, cell).

@@ -90,8 +90,7 @@ class EquilibriumSolver:
             def split_and_compute_cell(self, cells_sol_flat, np_version, jac_flag, internal_vars):
                 # One compiled call: the twenty slices that spare a small device's memory take as long again.
                 kernel = self.kernel_jac if jac_flag else self.kernel
-                geometry = self.physical_quad_points, self.shape_grads, self.JxW, self.v_grads_JxW
-                return kernel(cells_sol_flat, *geometry, *internal_vars)
+                return kernel(cells_sol_flat, *self.geometry, *internal_vars)
 
         def cell_tangent(u, points, gradient, weight, weighted_gradient, *values):
             """(nodal forces (8,), their derivative (8, 8)) of one cell, by the chain rule through F.
@@ -117,6 +116,9 @@ class EquilibriumSolver:
         self._problem = Sheet(mesh_fem, vec=2, dim=2, ele_type="QUAD4", gauss_order=2)
         self.set_parameters(point_parameters)
         problem = self._problem
+        geometry = problem.physical_quad_points, problem.shape_grads, problem.JxW, problem.v_grads_JxW
+        problem.geometry = tuple(map(jnp.asarray, geometry))
+        self._dofs = (2 * mesh.cells[:, :, None] + np.arange(2)).reshape(len(mesh.cells), -1)
         self._residual = jax.jit(lambda u, values: problem.compute_residual_vars([u], values, [])[0])
 
     def set_parameters(self, point_parameters: Mapping) -> None:
@@ -147,9 +149,10 @@ class EquilibriumSolver:
 
     def tangent(self, u: Float[np.ndarray, "node 2"]):
         """(nodal forces as a flat vector, sparse tangent stiffness) in the state ``u``."""
-        residual = np.asarray(self._problem.newton_update([jnp.asarray(u)])[0]).ravel()
-        dofs = residual.size
-        K = scipy.sparse.coo_matrix((self._problem.V, (self._problem.I, self._problem.J)), (dofs, dofs))
+        problem, dofs = self._problem, np.size(u)
+        forces, stiffness = problem.split_and_compute_cell(np.ravel(u)[self._dofs], np, True, problem.internal_vars)
+        residual = np.bincount(self._dofs.ravel(), np.ravel(forces), dofs)
+        K = scipy.sparse.coo_matrix((np.ravel(stiffness), (problem.I, problem.J)), (dofs, dofs))
         return residual, K.tocsc()
 
     def constrained_dofs(self, load: Load) -> np.ndarray:

@@ -105,16 +105,14 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     measured = measured_displacement(measurement)
     u = filled(grid, measured)
     noise = displacement_noise(measurement)
-    own_grid = is_on_its_own_grid(measurement)
-    information = information_of(measurement)
+    own_grid, information = is_on_its_own_grid(measurement), information_of(measurement)
     believed_noise = BelievedNoise.read(measurement.attrs)
     # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
     in_doubt = floor is None and subcells == 1 and not own_grid and information is None
     rules = strategy.noise_rules if in_doubt else 1.0
     told = own_grid or floor is not None
-    floor = (
-        strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max() if floor is None else floor
-    )
+    if floor is None:
+        floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     cut = is_cut_out(measurement)
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     seen = seen_points(refinement, *correlation_window(measurement))

@@ -24,14 +24,14 @@ AMOUNT_COST = 0.3
 class NodeMaterial:
     """Which terms a material has and how its parameters are laid out in one vector.
 
-    The parameters at a point are, in order: the neural-ODE weights of each term, one mixture logit
-    for each two-invariant term, the logarithms of the constant parts of dPsi/dI1, dPsi/dI2 and of the derivatives by
-    sums of powers (where those terms exist) and of the terms' shares (where those are scaled), and the fibre angle
-    (where a fibre term exists).
+    The parameters at a point begin with the neural-ODE weights of each term and one mixture logit for each
+    two-invariant term. Logarithms follow: of the constant parts of dPsi/dI1, dPsi/dI2 and the derivatives by sums of
+    powers (where those terms exist), and of the terms' shares (where those are scaled). The fibre angle is last (where
+    a fibre term exists).
 
     Without the term J the sheet is incompressible. With it the energy, whatever the thickness does, is a sum of
-    functions of tr C - 2 and of J - 1 in the plane, and a constant part c of dPsi/dI1 brings -2 c J, so that the
-    undeformed sheet is free of stress: c (tr C - 2 J) is the energy of shear alone, and the term J that of area.
+    functions of tr C - 2 and of J - 1 in the plane. A constant part c of dPsi/dI1 brings -2 c J, so that the undeformed
+    sheet is free of stress. Then c (tr C - 2 J) is the energy of shear alone, and the term J that of area.
 
     Attributes:
         terms: names in :data:`TERMS`.
@@ -39,9 +39,9 @@ class NodeMaterial:
         steps: RK4 steps.
         invariant_scale: what I - I(F = I) is divided by before it enters a neural ODE.
         stress_scale: unit of dPsi/dI inside the networks, in the stress unit of the data.
-        share: share of a neural ODE's output in dPsi/dI. Below one, so that a neural ODE whose weights
-            are small (h(1) close to h(0)) is a mild stiffening on top of the constant parts, and the
-            prior of small weights means a nearly neo-Hookean material.
+        share: share of a neural ODE's output in dPsi/dI. Below one, a neural ODE whose weights are small (h(1) close to
+            h(0)) is a mild stiffening on top of the constant parts. The prior of small weights then means a nearly
+            neo-Hookean material.
         scaled: whether each term's share is a parameter of the point, beginning at ``share``. A term that
             a point does not need then fades, which its weights alone achieve only by growing large.
         potential: what a term's increasing function is, a name in
@@ -184,9 +184,10 @@ class NodeMaterial:
     def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:
         """Mean over points of how far the material is from the plainest one, a neo-Hookean sheet.
 
-        Squares of the neural-ODE weights, which bend the curves, of the mixtures' and the fibre angle's distance
-        from ``centre``, and the amount of every contribution beside the first constant, so that of several terms
-        that explain a test alike the fewest are used. The first constant, which carries the contrast, costs nothing.
+        The sum has the squares of the neural-ODE weights, which bend the curves, and of the mixtures' and the fibre
+        angle's distance from ``centre``. It also has the amount of every contribution beside the first constant: of
+        several terms that explain a test alike, the fewest are used. The first constant, which carries the contrast,
+        costs nothing.
         """
         weights, _, logarithms, _ = self.split(node_params)
         _, mixture, _, angle = self.split(node_params - centre[:, None])

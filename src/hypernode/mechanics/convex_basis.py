@@ -6,9 +6,9 @@ E_M = b (I1 - 3) + (1 - b) (M : C - 1),  M = (1 + r)/2 v x v + (1 - r)/2 w x w, 
 with positive c, c1, c2, k, q, a dispersion b between 0 and 1, and s a typical I1 - 3. Every summand is
 polyconvex. The parameters are unconstrained numbers, all but the first relative to it, so that where only
 the stiffness jumps, only one of them does: the logarithm of c, log(1 + .) of c1, c2 and q, a logit, and for the
-fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and
-their alignment r, both functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin
-or turn. The family across, N, comes with the share q of their strength and ends where they do.
+fibres v, at angle a, the doubled-angle vector z = |z| (cos 2a, sin 2a). It gives the fibres' strength k and their
+alignment r. Both are functions of |z| that vanish at zero, so that a field of z is smooth where fibres begin or turn.
+The family across, N, comes with the share q of their strength and ends where they do.
 
 With the term stiffening the squares of the fibres' strains become exponentials, as in tissues. With I1_stiffening that
 of E = I1 - 3 becomes the exponential without its first two terms, as in Demiray's law. Each has a positive h,
@@ -18,16 +18,16 @@ E^2 -> 2 s^2 (exp(h E / s) - 1 - h E / s) exp(-h / 8^0.5) / h^2,
 
 so that at E^2 = s^2 / 2 they are about as stiff as without: strength and stiffening hardly trade places.
 
-With the term ogden three of Ogden's powers of the principal stretches l join, 6, 4 and -4, whose functions of I1 and I2
-are polynomials, scaled as I1 - 3 for small strains,
+With the term ogden three of Ogden's powers of the principal stretches l join: 6, 4 and -4. They are polynomials of I1
+and I2, scaled as I1 - 3 for small strains,
 
 Psi_O = c [ c5 (l1^6 + l2^6 + l3^6 - 3) / 9 + c6 (l1^4 + l2^4 + l3^4 - 3) / 4 + c7 (l1^-4 + l2^-4 + l3^-4 - 3) / 4 ].
 
-Ogden's laws have no I1. So that they are no limit of a vanishing c, the level of such a material is c times
-1 + c2 + c5 + c6 + c7, its stiffness for small strains, and c1 and k are relative to that.
+Ogden's laws have no I1. They shall be no limit of a vanishing c. So the level of such a material is its stiffness for
+small strains, c times 1 + c2 + c5 + c6 + c7, and c1 and k are relative to that.
 
-With the term J the sheet is compressible: I1 - 3 becomes tr C - 2 in the plane, the neo-Hookean term that of shear
-alone, tr C - 2 J, and the area has an energy of its own, with J in the plane and positive coefficients,
+With the term J the sheet is compressible. I1 - 3 becomes tr C - 2 in the plane, and the neo-Hookean term that of shear
+alone, tr C - 2 J. The area has an energy of its own, with J in the plane and positive coefficients,
 
 Psi_J = c [ 2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3) ].
 
@@ -43,6 +43,7 @@ from jaxtyping import Array, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
 from hypernode.mechanics.parameters import BASIS_TERMS
+from hypernode.mechanics.point_law import traced_once
 from hypernode.mechanics.stress import stress_with_structure
 
 #: Fibres weaker than this, relative to the matrix, begin gradually: their strength has no slope at zero.
@@ -135,12 +136,7 @@ class ConvexBasis:
         return np.array([0.0, *(value for term in self.terms for value in PARAMETERS[term].values())])
 
     def energy(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "..."]:
-        """Energy density of a sheet in plane stress.
-
-        Args:
-            F: in-plane deformation gradient F[i, J, ...].
-            params: parameters in the order of :attr:`names`, broadcastable to the batch shape.
-        """
+        """Energy density of a sheet in plane stress, of ``params`` in the order of :attr:`names`."""
         p = dict(zip(self.names, params, strict=True))
         I = invariants(F, 0.0)
         e1, e2 = self._isotropic(I), I.I2 - 3.0
@@ -163,6 +159,7 @@ class ConvexBasis:
             total = total + strength * squares / (2.0 * self.invariant_scale)
         return jnp.exp(p["log_level"]) * total
 
+    @traced_once
     def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
         p = dict(zip(self.names, params, strict=True))

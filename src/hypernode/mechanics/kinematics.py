@@ -36,10 +36,9 @@ def right_cauchy_green(F: Float[Array, "2 2 ..."]):
 def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> Invariants:
     """Invariants of the incompressible sheet, with F33 = 1/J eliminated, and its in-plane J.
 
-    I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2, I4v = v.C v, I4w = w.C w, where C and J belong to
-    the in-plane F, v = (cos a, sin a) is the first fibre direction and w = (-sin a, cos a) the
-    second, perpendicular to it. A compressible sheet has the same in-plane invariants, tr C = I1 - 1/J^2
-    and J; what its thickness does follows from them.
+    I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2, I4v = v.C v, I4w = w.C w. C and J belong to the in-plane F. The fibre
+    directions v = (cos a, sin a) and w = (-sin a, cos a) are perpendicular. A compressible sheet has the same in-plane
+    invariants, tr C = I1 - 1/J^2 and J; what its thickness does follows from them.
 
     Args:
         F: in-plane deformation gradient F[i, J, ...].
@@ -61,9 +60,9 @@ def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> 
 def stretch_powers(I: Invariants) -> dict[str, tuple]:
     """Sums of powers of the principal stretches of an incompressible sheet, each with its derivatives by I1 and I2.
 
-    (l1^6 + l2^6 + l3^6 - 3) / 9, (l1^4 + l2^4 + l3^4 - 3) / 4 and (l1^-4 + l2^-4 + l3^-4 - 3) / 4: polynomials of I1
-    and I2, polyconvex, and like I1 - 3 for small strains. With the powers 2 and -2, which are I1 and I2, most of
-    Ogden's lie between them.
+    They are (l1^6 + l2^6 + l3^6 - 3) / 9, (l1^4 + l2^4 + l3^4 - 3) / 4 and (l1^-4 + l2^-4 + l3^-4 - 3) / 4. All are
+    polynomials of I1 and I2, polyconvex, and like I1 - 3 for small strains. With the powers 2 and -2, which are I1 and
+    I2, most of Ogden's lie between them.
     """
     return {
         "ogden_6": ((I.I1**3 - 3.0 * I.I1 * I.I2) / 9.0, (I.I1**2 - I.I2) / 3.0, -I.I1 / 3.0),

@@ -1,7 +1,9 @@
 """What finite elements ask of a law of stress whose parameters differ from point to point."""
 
+from functools import partial
 from typing import Protocol
 
+import jax
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -24,3 +26,8 @@ class PointLaw(Protocol):
             F: in-plane deformation gradient F[i, J, ...].
             params: parameters, broadcastable to the batch shape.
         """
+
+
+#: A stress whose operations are written down once for each shape, and not anew in each program that asks for it or for
+#: its derivatives; they become part of that program as if they had been written there. The law itself is hashable.
+traced_once = partial(jax.jit, static_argnums=0, inline=True)

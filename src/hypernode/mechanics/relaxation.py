@@ -4,8 +4,8 @@ Quasi-linear viscoelasticity: every stress of the sheet is
 
     P(t) = P_e(t) + Σ_k g_k ∫ exp(-(t - s)/τ_k) dP_e(s),
 
-so that P is in equilibrium wherever the elastic P_e is, the displacements are those of the elastic sheet, and the
-recorded force is the elastic one times a factor that depends on time alone.
+so that P is in equilibrium wherever the elastic P_e is. The displacements are those of the elastic sheet. The recorded
+force is the elastic one times a factor that depends on time alone.
 """
 
 from dataclasses import dataclass

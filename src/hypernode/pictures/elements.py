@@ -1,9 +1,9 @@
 """Grey levels of a picture on a mesh of square elements, and what a later one says of the displacement of its nodes.
 
-Where light goes with the sheet, the later picture shows at X + u(X) what the first shows at X. With the displacement by
-bilinear shape functions, the sum of the squared differences over its pixels is that of finite-element image correlation
-(Besnard, Hild and Roux, Experimental Mechanics 46 (2006) 789). Its Gauss-Newton matrix is the information that the
-picture holds of the nodes, element by element. Lengths in pixels, columns to the right and rows downward.
+Where light goes with the sheet, the later picture shows at X + u(X) what the first shows at X. The displacement has
+bilinear shape functions. The sum of the squared differences over its pixels is then that of finite-element image
+correlation (Besnard, Hild and Roux, Experimental Mechanics 46 (2006) 789). Its Gauss-Newton matrix is the information
+that the picture holds of the nodes, element by element. Lengths in pixels, columns to the right and rows downward.
 """
 
 from dataclasses import dataclass
@@ -117,7 +117,7 @@ class Elements:
     def linearise(self, picture: Spline, u: Float[np.ndarray, "node 2"]) -> Linearised:
         """The differences that a displacement leaves, and their derivatives.
 
-        The gradient is that of the reference, carried along by F^-T: that of the picture at places between its pixels
+        The gradient is that of the reference, carried along by F^-T. That of the picture, at places between its pixels,
         would share their noise with the differences, and pull the displacement.
         """
         nodal = u[self.mesh.cells]

@@ -1,7 +1,7 @@
 """A picture compared with the first on a mesh: the displacement of its nodes.
 
-From blurred pictures and a stiff mesh to sharp ones and a free mesh: a displacement of several pixels is found where a
-blur of its size leaves something to follow, and what is held together moves together.
+It goes from blurred pictures and a stiff mesh to sharp ones and a free mesh. A displacement of several pixels is found
+where a blur of its size leaves something to follow, and what is held together moves together.
 """
 
 from dataclasses import dataclass

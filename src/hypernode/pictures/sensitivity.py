@@ -13,8 +13,8 @@ def least_noise(
 ) -> Float[np.ndarray, " 2"]:
     """Standard deviation of a correlated displacement along columns and rows that grey noise alone makes [pixel].
 
-    The root of two times that noise over the root of the sum of the squared gradients of a subset, here a mean one,
-    after Pan, Xie, Wang, Qian and Wang, Study on subset size selection in digital image correlation for speckle
+    It is the root of two times that noise over the root of the sum of the squared gradients of a subset, here a mean
+    one. After Pan, Xie, Wang, Qian and Wang, Study on subset size selection in digital image correlation for speckle
     patterns (2008).
 
     Args:

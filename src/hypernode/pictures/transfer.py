@@ -1,8 +1,8 @@
 """What an engine makes of a displacement field: how much of a wave it lets through, and its noise.
 
-A subset that fits a polynomial to the displacement by least squares returns, at its middle, the field convolved with a
-kernel of its side: an affine one the average, a quadratic one the filter of Savitzky and Golay, Analytical Chemistry 36
-(1964) 1627 (Schreier and Sutton, Experimental Mechanics 42 (2002) 303). An engine comes close, with a side of its own.
+A subset fits a polynomial to the displacement by least squares. At its middle it returns the field convolved with a
+kernel of its side (Schreier and Sutton, Experimental Mechanics 42 (2002) 303). An affine one averages. A quadratic one
+is the filter of Savitzky and Golay, Analytical Chemistry 36 (1964) 1627. An engine comes close, with a side of its own.
 """
 
 from dataclasses import dataclass

@@ -9,10 +9,10 @@ import socket
 def claimed_cores(count: int, scope: str | None = None):
     """Pin this process to ``count`` CPUs that no other job of this user on this machine has claimed.
 
-    XLA sizes its pool of threads by the CPUs of the process, so enter this before JAX is imported. A claim is a
-    socket whose name, without a file, is known to the whole machine whatever folder each job has for temporary
-    files; the kernel drops it when the process ends, however it ends. Where too few CPUs are free, or the system
-    knows no such names, the rest are taken by the number of the process and may be shared: slower, equally right.
+    XLA sizes its pool of threads by the CPUs of the process, so enter this before JAX is imported. A claim is a socket
+    whose name, without a file, is known to the whole machine, whatever folder each job has for temporary files. The
+    kernel drops it when the process ends, however it ends. Where too few CPUs are free, or the system knows no such
+    names, the rest are taken by the number of the process and may be shared: slower, equally right.
 
     Args:
         count: CPUs to compute on; at most those that the process was given.

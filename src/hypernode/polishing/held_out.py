@@ -61,8 +61,8 @@ class Misfit(NamedTuple):
 def why_not_better(before: Misfit, after: Misfit) -> str:
     """Why one does not explain held-out steps better than another did; empty where it does.
 
-    It must be the likelier one by more than noise makes of the difference, whose standard deviation is the distance
-    of the two predictions; and neither displacements nor forces may be missed by more than before, beyond noise.
+    It must be the likelier one by more than noise makes of the difference, whose standard deviation is the distance of
+    the two predictions. Neither displacements nor forces may be missed by more than before, beyond noise.
     """
     distance = math.sqrt(sum(float(np.sum((a - b) ** 2)) for a, b in zip(before, after, strict=True)))
     for name, size in after.sizes.items():

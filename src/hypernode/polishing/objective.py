@@ -1,10 +1,10 @@
 """What a network's weights minimise: misfits of a test, jumps of the stiffness, and distance from the network before.
 
 The residuals are those of the equilibrium field (:mod:`hypernode.identification.problem`), for the same data, noise and
-finite elements; but the parameters of a cell are not free: the network gives them. With J the derivative of the
-residuals by the parameters, known as products through the discrete adjoint, and N that of the parameters by the
-weights, known as products through the network, the gradient is N^T J^T r and the curvature of Gauss and Newton
-N^T J^T J N, beside what the other terms add.
+finite elements. The parameters of a cell are not free: the network gives them. Let J be the derivative of the residuals
+by the parameters, known as products through the discrete adjoint. Let N be that of the parameters by the weights, known
+as products through the network. The gradient is N^T J^T r and the curvature of Gauss and Newton N^T J^T J N, beside
+what the other terms add.
 """
 
 from collections.abc import Callable

@@ -23,8 +23,8 @@ EQUIDISTANT = 1e-9
 def run(measurement_file: str | Path, folder: str | Path) -> Path:
     """Write FOLDER/test<k>/frame<number>.csv and force_disp.csv of every load case, and FOLDER/specimen.yaml.
 
-    Displacements are the means over the repeats. Forces are those of an elastic sheet: what of a record is a matter of
-    time is taken away, since an export has no more than its load steps from which it could be told again.
+    Displacements are the means over the repeats. Forces are those of an elastic sheet. The part of a record that is a
+    matter of time is taken away, since it cannot be told again from the load steps of an export.
 
     Returns:
         The configuration.

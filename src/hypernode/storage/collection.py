@@ -20,10 +20,10 @@ CHUNK = 2**20
 def write_collection(path: str, sheets: Iterable[str | Path], attributes: Mapping[str, object]) -> None:
     """Write the collection of some sheets, in the order of their names.
 
-    Along the dimension ``sheet`` stand: what each is (``case``, and what its settings name: ``geometry``,
-    ``inclusion``, ``matrix``, ``noise``, ``seed``), its ``verdict`` and its first word, ``level``; the SHA-256 of its
-    file, ``digest``; every number of its summary as ``score.NAME``, NaN where it has none; and its fields, ``basis.*``
-    with NaN where a sheet has no such parameter.
+    Along the dimension ``sheet`` stand ``case`` and what its settings name: ``geometry``, ``inclusion``, ``matrix``,
+    ``noise``, ``seed``. Its ``verdict``, the first word of that, ``level``, and the SHA-256 of its file, ``digest``,
+    follow. Every number of its summary is ``score.NAME``, NaN where it has none. Its fields are ``basis.*``, with NaN
+    where a sheet has no such parameter.
 
     Args:
         path: where to.

@@ -36,8 +36,8 @@ FORMATS |= {".md": "text/markdown", ".tex": "application/x-tex", ".py": "text/x-
 def build(folder: Path, targets: Iterable[Path]) -> ROCrate:
     """The crate of a run: its targets and their ancestors; files stay where they are.
 
-    One action stands for each file: its instrument is the rule with the code that made it, its objects are the
-    parents and raw inputs, and its settings, versions and flags are in the action's description.
+    One action stands for each file. Its instrument is the rule with the code that made it. Its objects are the parents
+    and raw inputs. Its settings, versions and flags are in the action's description.
 
     Args:
         folder: the results folder, an absolute path.

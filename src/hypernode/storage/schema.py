@@ -51,7 +51,7 @@ class Variable:
     """How a stored variable is described.
 
     ``unit`` is a literal unit, or one of the words ``length``, ``stress``, ``force`` and ``energy``, or a power of it
-    as ``length^-2``, which each file replaces by its own (synthetic tests: 1, Pa; experiments: mm, MPa, N).
+    as ``length^-2``. Each file replaces a word by its own unit (synthetic tests: 1, Pa; experiments: mm, MPa, N).
     """
 
     dims: tuple[str, ...]

@@ -76,8 +76,8 @@ def fit_interpolant(
 ) -> FittedInterpolant:
     """Fit one network a load case to F at the cell centres (equation ``eq_training_FDM_Fint``).
 
-    The misfit of each load step is measured in units of that step's own F - I, and the network's
-    output is scaled by it, so that small steps are fitted as well as large ones.
+    The misfit of each load step is measured in units of that step's own F - I, and the network's output is scaled by
+    it. So small steps are fitted as well as large ones.
     """
     amplitude = np.sqrt(np.mean((F - np.eye(2)) ** 2, axis=(1, 2, 3)))
     t = np.array([amplitude[k] / amplitude[load_case == load_case[k]].max() for k in range(len(load_case))])

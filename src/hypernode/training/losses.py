@@ -148,9 +148,9 @@ LOSSES = {
 def variation(problem: InverseProblem) -> tuple[jax.Array, Callable]:
     """Total variation of the stress of the sheet under its mean deformation.
 
-    Sum over shared sides of length x |jump of P| for the mean F of the largest step of each test, over the sheet's
-    length and the load's stress: the length of a contour times the contrast across it. Stress along stiff fibres
-    that varies from one fibre to the next is in equilibrium whatever it is, and the gap does not see it.
+    It sums length x |jump of P| over shared sides, for the mean F of the largest step of each test, over the sheet's
+    length and the load's stress. That is the length of a contour times the contrast across it. Stress along stiff
+    fibres that varies from one fibre to the next is in equilibrium whatever it is, and the gap does not see it.
 
     Returns:
         (F[i, J, test, cell], cost of the stress P[i, J, test, cell] there).

@@ -65,8 +65,8 @@ def nodal_targets(problem: InverseProblem):
     """Where tractions are known, and what they are.
 
     Nodes of the four edges without the corners, which two edges share. A component that is held has the force of its
-    node over the length that belongs to it, or, where no nodal forces are known, the mean stress of the test; one that
-    is free has none.
+    node over the length that belongs to it. Where no nodal forces are known it has the mean stress of the test. One
+    that is free has none.
 
     Returns:
         (nodes (point,), axes and signs of their normals (point,), tractions [i, step, point], their weights of the

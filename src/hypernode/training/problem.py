@@ -156,10 +156,10 @@ class InverseProblem:
     def target(self) -> Target:
         """What pre-training aims at: force over cross-section, or the stress of the constrained field.
 
-        The constrained field also says what cells would do under deformations that they have not
-        seen: homogeneous modes of the size of the test and of shares of it keep the networks from
-        inventing an answer there. The smallest one fixes the stiffness of the undeformed sheet, where
-        coarse steps of a neural ODE may leave a spike that stops Newton's method.
+        The constrained field also says what cells would do under deformations that they have not seen. Homogeneous
+        modes of the size of the test and of shares of it keep the networks from inventing an answer there. The smallest
+        one fixes the stiffness of the undeformed sheet, where coarse steps of a neural ODE may leave a spike that stops
+        Newton's method.
         """
         scale = self._scale[:, None]
         if not self.has_field:

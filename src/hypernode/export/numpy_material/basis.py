@@ -1,13 +1,19 @@
 """A field of coefficients of the convex basis.
 
 Psi = c [ (I1 - 3) + c1 <I1 - 3>^2 / (2 s) + c2 (I2 - 3) + k (<E_M>^2 + q <E_N>^2) / (2 s) ],
-E_M = b (I1 - 3) + (1 - b)(M : C - 1),  M = [1 + rx, ry; ry, 1 - rx] / 2,  N = 1 - M;
+E_M = b (I1 - 3) + (1 - b)(M : C - 1),  M = [1 + rx, ry; ry, 1 - rx] / 2,  N = 1 - M.
 
-with h the squares of fibres are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h, with h1 that of E = <I1 - 3> is
-2 s^2 (exp(h1 E / s) - 1 - h1 E / s) exp(-h1 / 8^0.5) / h1^2; with c5 to c7 powers 6, 4 and -4 of principal stretches
-join, c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I1^2 - 2 I2 - 3) / 4 + c7 (I2^2 - 2 I1 - 3) / 4]; with c3 and c4 the sheet is
-compressible: I1 - 3 is tr C - 2 in the plane, the first term tr C - 2 J, and the area adds
-c [2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3)].
+With h the squares of fibres are s^2 (exp(h E^2 / s^2) - 1) exp(-h / 2) / h. With h1 that of E = <I1 - 3> is
+
+2 s^2 (exp(h1 E / s) - 1 - h1 E / s) exp(-h1 / 8^0.5) / h1^2.
+
+With c5 to c7 powers 6, 4 and -4 of principal stretches join,
+
+Psi_O = c [c5 (I1^3 - 3 I1 I2) / 9 + c6 (I1^2 - 2 I2 - 3) / 4 + c7 (I2^2 - 2 I1 - 3) / 4].
+
+With c3 and c4 the sheet is compressible: I1 - 3 is tr C - 2 in the plane, the first term tr C - 2 J, and the area adds
+
+Psi_J = c [2 c3 (J - 1 - ln J) + c4 (2 J + 1/J^2 - 3)].
 """
 
 import numpy as np

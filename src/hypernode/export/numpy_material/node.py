@@ -1,8 +1,8 @@
 """A hyper-network from the position to the parameters of increasing functions, which are the derivatives of the energy.
 
-dPsi/dI of an invariant is a constant, exp(logarithm), and a share of the increasing function of each term it is in: of
-(I - I(F = 1)) / invariant_scale, or of a mixture of two invariants. Sums of powers of stretches count as invariants.
-All is in units of stress_scale.
+dPsi/dI of an invariant is a constant, exp(logarithm), and a share of the increasing function of each term it is in. The
+function takes (I - I(F = 1)) / invariant_scale, or a mixture of two invariants. Sums of powers of stretches count as
+invariants. All is in units of stress_scale.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Follows points through the pictures of a folder with al-dic: `python with_al_dic.py FOLDER`.
 
-Takes and leaves what with_pyvale.py does. al-dic states no quality and puts something in the place of every lost
-point: what it found is judged here by the zero-normalised cross-correlation of each subset in the two pictures that
-were compared, and a point that it cannot have seen is lost.
+Takes and leaves what with_pyvale.py does. al-dic states no quality and puts something in the place of every lost point.
+So what it found is judged here by the zero-normalised cross-correlation of each subset in the two pictures that were
+compared. A point that it cannot have seen is lost.
 """
 
 import json

@@ -1,8 +1,8 @@
 """Follows points through the pictures of a folder with pyvale: `python with_pyvale.py FOLDER`.
 
-Takes pictures.npy (frame, row, column), mask.npy (row, column) and settings.json; leaves correlated.npz with column,
-row (point,), displacement (frame, point, 2) in pixels, columns to the right and rows down, NaN where lost, and
-correlation (frame, point), the zero-normalised cross-correlation.
+Takes pictures.npy (frame, row, column), mask.npy (row, column) and settings.json. Leaves correlated.npz with column,
+row (point,), displacement (frame, point, 2) in pixels, columns to the right and rows down, NaN where lost. Its
+correlation (frame, point) is the zero-normalised cross-correlation.
 """
 
 import json
