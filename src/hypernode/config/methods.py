@@ -122,8 +122,8 @@ class Constrained(Section):
     tolerance: Positive = 2e-4
     """It ends where an iteration lowers the cost by less than this times what noise alone costs."""
     layers: bool = False
-    """Whether a noisy sheet that was seen on another grid than it was computed on may be of two materials, in layers
-    where the interface cuts cells; such a field is kept where it is the likelier one. The presets ask for it."""
+    """Whether a sheet that points measure may be of a few materials with lines between them; such a field is kept where
+    it explains the test. The presets ask for it."""
     posterior_samples: NonNegativeInt = 0
     """Fields kept that the test cannot tell from the best one, by its noise or by what finite elements miss of a
     measured grid: they say how uncertain it is. None of what was computed on the grid itself, without noise."""

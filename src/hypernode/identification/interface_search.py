@@ -148,7 +148,7 @@ class Search:
         return kept
 
     def _law(self, kept: Candidate) -> Candidate:
-        """Terms of the law, one after the other as long as one explains more than it costs; lines stay meanwhile."""
+        """Terms of the law, one after the other as long as one explains more than it costs; lines follow what is kept."""
         trials = self._trials
         while True:
             tried = [each for each in (self._with(kept, term) for term in self._open(kept)) if each is not None]
@@ -163,7 +163,18 @@ class Search:
                 return kept
             trials.passed_over(best, "")
             trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
-            kept = best
+            kept = self._lines_again(best)
+
+    def _lines_again(self, kept: Candidate) -> Candidate:
+        """Lines that follow another law."""
+        if kept.fit.field.count == 1:
+            return kept
+        u, window = kept.u, kept.fit.window
+        move = f"lines with {kept.terms[-1]}"
+        found = self._trials.descend(
+            move, kept, kept.problem, kept.fit.field, u, self._steps, FINER_STEPS, window, self._finds
+        )
+        return found or kept
 
     def _with(self, kept: Candidate, term: str) -> Candidate | None:
         """The same lines between materials of a law with one term more."""
