@@ -148,7 +148,7 @@ class Search:
         return kept
 
     def _law(self, kept: Candidate) -> Candidate:
-        """Terms of the law, one after the other as long as one explains more than it costs; lines follow what is kept."""
+        """Terms of the law, one after the other as long as one explains more than it costs; lines follow."""
         trials = self._trials
         while True:
             tried = [each for each in (self._with(kept, term) for term in self._open(kept)) if each is not None]
