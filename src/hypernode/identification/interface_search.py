@@ -89,7 +89,7 @@ class Search:
         kept = trials.descend("one material", None, problem, field, u, self._steps, FINER_STEPS)
         if kept is not None and kept.leaves_more_than_noise:
             kept = self._parts(kept)
-        return None if kept is None else answer(trials, self._finer(self._law(kept)), self._finds)
+        return None if kept is None else answer(trials, self._finer(self._merged(self._law(kept))), self._finds)
 
     def _parts(self, one: Candidate) -> Candidate | None:
         """As many materials as explain more than they cost; None where a field of cells explains far more."""
