@@ -44,6 +44,7 @@ class Fit:
         force_squared: squared misfit of the forces, whose errors are shared.
         cost, prior: half the squared residuals with what numbers cost without data, and the latter.
         determined: how many numbers the data determine, with displacements as uncertain as what is left of them.
+        of_materials: how many of these are of materials, with lines as they are.
         window, window_error: side of the window in points, its standard deviation, 0 where it is not sought.
         ending: how the descent ended.
         history: misfit before every step.
@@ -59,6 +60,7 @@ class Fit:
     cost: float
     prior: float
     determined: float
+    of_materials: float
     window: float
     window_error: float
     ending: Ending
@@ -197,17 +199,16 @@ class InterfaceFit:
         return None
 
     def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
-        test, numbers = self.test, self._numbers(field)
+        # A window is seen through in the end, and no number any more.
+        test, numbers = self.test, InterfaceFit(self.test, False, self._moves)._numbers(field)
         shared, residuals = test.shared(states, test.sigma, anew=True), test.residuals(states, test.sigma)
-        white = shared.white(residuals)
+        white, total = shared.white(residuals), shared.squared(residuals)
         of_u = test.of_displacements(white)
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
         observed = [boundary.observed for boundary in test.boundaries]
         left = left_of(test.problem.observations.grid, observed, of_u, 0.0)
         jacobians = test.answers(states, test.loads(field, states, numbers.near), test.sigma)
-        determined = self._determined(field, numbers, shared, jacobians, residuals, left)
-        squared = sum(float(u @ u) for u in of_u)
-        total = shared.squared(residuals)
+        determined, of_materials = self._determined(field, numbers, shared, jacobians, residuals, left)
         return Fit(
             field,
             states,
@@ -215,29 +216,33 @@ class InterfaceFit:
             left_of(test.problem.observations.grid, observed, of_u, determined),
             _mean(np.concatenate(of_u)),
             _mean(of_f),
-            total - squared,
+            total - sum(float(u @ u) for u in of_u),
             0.5 * total + numbers.prior(numbers.y),
             numbers.prior(numbers.y),
             determined,
+            of_materials,
             test.window,
             self._window_error,
             ending,
             history,
         )
 
-    def _determined(self, field, numbers: _Numbers, shared, jacobians, residuals, left: Left) -> float:
-        """How many numbers the data determine, where displacements are as uncertain as what they leave says."""
+    def _determined(self, field, numbers: _Numbers, shared, jacobians, residuals, left: Left):
+        """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""
         looser = max(left.level * float(np.sqrt(left.inflation)), 1.0)
         for J, u in zip(jacobians, self.test.of_displacements(residuals), strict=True):
             J[: len(u)] /= looser
         shared = dataclasses.replace(shared, sigma=shared.sigma * looser)
         curvature, _ = shared.normal(jacobians, [np.zeros(len(r)) for r in residuals])
-        count = len(curvature)
-        going = np.flatnonzero(numbers.y[:count] > numbers.lowest[:count])
-        held = numbers.held.toarray()[np.ix_(going, going)]
-        floor = np.where(going < field.materials.size, 0.0, numbers.floor[going])
-        curvature = curvature[np.ix_(going, going)]
-        return float(np.trace(np.linalg.solve(curvature + held + np.diag(floor), curvature)))
+        held = numbers.held.toarray()
+        held[np.diag_indices_from(held)] += np.where(np.arange(len(held)) < field.materials.size, 0.0, numbers.floor)
+
+        def of(some):
+            own = np.ix_(some, some)
+            return float(np.trace(np.linalg.solve((curvature + held)[own], curvature[own]))) if len(some) else 0.0
+
+        going = np.flatnonzero(numbers.y > numbers.lowest)
+        return of(going), of(going[going < field.materials.size])
 
 
 def _mean(values) -> float:

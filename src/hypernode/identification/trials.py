@@ -1,5 +1,6 @@
 """Descents of one test with one law after the other, each recorded."""
 
+import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
@@ -81,6 +82,10 @@ class Trials:
         if fit is None:
             say("constrained", self.name, f"{move} ({law}): no equilibrium")
             return None
+        if not move_lines and start is not None:
+            # Lines that stay are numbers all the same.
+            lines = start.fit.determined - start.fit.of_materials
+            fit = dataclasses.replace(fit, determined=fit.of_materials + lines)
         sought = f", window of {fit.window:.2f} points" if find_window else ""
         say(
             "constrained",
