@@ -145,30 +145,28 @@ class InterfaceFit:
             guesses: displacement of every step near its equilibrium.
         """
         test = self.test
-        states = test.states(field, guesses)
-        if states is None:
+        if (states := test.states(field, guesses)) is None:
             return None
         history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
-        lines = self._measures and len(field.distances) > 0
         for number in range(iterations):
-            if lines and number in MEASURED:
+            if self._measures and number in MEASURED:
                 anew = field.measured_anew(FEWEST)
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
             sigma = test.sigma_of(states, sigma)
             history.append(test.left(states))
-            moved = self._step(field, states, sigma)
+            moved, before, gained = self._step(field, states, sigma)
             if moved is None:
-                ending = Ending.STAGNATED
+                ending = Ending.CONVERGED if gained < max(GAIN, RELATIVE_GAIN * before) else Ending.STAGNATED
                 break
-            field, states, before, gained = moved
-            if gained < max(GAIN, RELATIVE_GAIN * before) and number >= SETTLED * lines:
+            field, states = moved
+            if gained < max(GAIN, RELATIVE_GAIN * before) and number >= SETTLED * (self._measures and field.count > 1):
                 ending = Ending.CONVERGED
                 break
         return self._fit(field, states, ending, history)
 
     def _step(self, field: Interfaces, states, sigma: float):
-        """(field, states, cost before, by how much it fell) of a step that lowers the cost, or None."""
+        """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
         test, numbers = self.test, self._numbers(field)
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         jacobians = test.answers(states, test.loads(field, states, numbers.near), sigma)
@@ -182,10 +180,11 @@ class InterfaceFit:
         if self._finds:
             covariance = np.linalg.inv(curvature + np.diag(UNKNOWN * numbers.floor))
             self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
-        window, count = test.window, len(numbers.y) - self._finds
-        for changed, _ in projected_steps(
+        window, count, promised = test.window, len(numbers.y) - self._finds, []
+        for changed, gain in projected_steps(
             numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy
         ):
+            promised.append(gain)
             trial = field.at(changed[:count], numbers.near)
             reached = test.states(trial, [u for u, _, _ in states])
             if reached is None:
@@ -194,15 +193,16 @@ class InterfaceFit:
                 test.see_through(float(changed[-1]))
             after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(changed)
             if after < before:
-                return trial, reached, before, before - after
+                return (trial, reached), before, before - after
         test.see_through(window)
-        return None
+        return None, before, promised[0]
 
     def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
-        # A window is seen through in the end, and no number any more.
         test, numbers = self.test, InterfaceFit(self.test, False, self._moves)._numbers(field)
         shared, residuals = test.shared(states, test.sigma, anew=True), test.residuals(states, test.sigma)
         white, total = shared.white(residuals), shared.squared(residuals)
+        # Lines that stay have their bends all the same.
+        prior = (every := InterfaceFit(self.test)._numbers(field)).prior(every.y)
         of_u = test.of_displacements(white)
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
         observed = [boundary.observed for boundary in test.boundaries]
@@ -217,8 +217,8 @@ class InterfaceFit:
             _mean(np.concatenate(of_u)),
             _mean(of_f),
             total - sum(float(u @ u) for u in of_u),
-            0.5 * total + numbers.prior(numbers.y),
-            numbers.prior(numbers.y),
+            0.5 * total + prior,
+            prior,
             determined,
             of_materials,
             test.window,

@@ -12,7 +12,7 @@ import xarray as xr
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.information import information_of
-from hypernode.data.measurement import is_on_its_own_grid, window_uncertainty
+from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
@@ -51,8 +51,8 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     """The few materials and lines that explain a test; None where they do not, or where they are not sought.
 
     They are not sought where the configuration asks for no layers, where displacements are known to be those of finite
-    elements on the measured grid, so that no line cuts a cell, where grey levels are observed and no points, and on
-    grids of more cells than are searched at once.
+    elements on the measured grid, so that no line cuts a cell, where they have no noise or are grey levels, and on grids
+    of more cells than are searched at once.
 
     Args:
         measurement: an opened measurement.
@@ -63,7 +63,8 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
         ImpossibleForcesError: no sheet gives the forces.
     """
     sought = settings.layers and not is_on_its_own_grid(measurement) and information_of(measurement) is None
-    if not sought or measurement.sizes["cell"] > strategy.most_cells_at_once:
+    searched = measurement.sizes["cell"] <= strategy.most_cells_at_once and displacement_noise(measurement) > 0.0
+    if not (sought and searched):
         return None
     found = Search(measurement, settings, name, strategy).end()
     return None if found is None or found.unexplained > 1.0 else found

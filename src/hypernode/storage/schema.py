@@ -30,6 +30,7 @@ DIMS = {
     "vertex": "the four nodes of a cell, counter-clockwise from the lower left",
     "quadrature_point": "a 2 x 2 Gauss point of a cell",
     "edge": "left, right, bottom, top",
+    "interface": "the line around each material but the first",
     "i": "spatial component, x then y",
     "J": "material component, X then Y",
     "parameter": "one weight of the neural ODEs",
@@ -155,9 +156,7 @@ VARIABLES = {
     "loss_iteration": Variable(("iteration",), "1", "optimiser step of each recorded loss"),
     "material_label": Variable(("cell",), "1", "material that has most of a cell, from 0"),
     "interface_distance": Variable(("interface", "node"), "1", "sides of a cell from a line, positive in its material"),
-    "local_misfit": Variable(
-        ("cell",), "1", "misfit of displacements around a cell over that of the sheet or over noise, what is more"
-    ),
+    "local_misfit": Variable(("cell",), "1", "misfit around a cell over that of the sheet or noise, what is more"),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
     "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of a cut cell less that of the law at its centre"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
