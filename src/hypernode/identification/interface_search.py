@@ -51,8 +51,8 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     """The few materials and lines that explain a test; None where they do not, or where they are not sought.
 
     They are not sought where the configuration asks for no layers, where displacements are known to be those of finite
-    elements on the measured grid, so that no line cuts a cell, where they have no noise or are grey levels, and on grids
-    of more cells than are searched at once.
+    elements on the measured grid, so that no line cuts a cell, where they have no noise or are grey levels, and on
+    grids of more cells than are searched at once.
 
     Args:
         measurement: an opened measurement.
