@@ -64,13 +64,12 @@ class Candidate:
         Args:
             independent: how many independent numbers the residuals of displacements are worth.
         """
-        fit, count = self.fit, sum(len(each) for each in self.fit.white) - self.fit.left.count
-        over = max(fit.force_squared / max(count, 1), 0.0)
+        fit = self.fit
         places = float(np.log(len(fit.field.lines.grid.mesh.cells)))
         return Score(
             displacements=independent * float(np.log(fit.misfit)),
-            # Forces that no law so far follows tell of that law, not of lines: their excess counts as a logarithm.
-            forces=0.5 * count * (over if over <= 1.0 else 1.0 + float(np.log(over))),
+            # What leaves more than noise of displacements describes forces no better.
+            forces=0.5 * fit.force_squared / max(self.level, 1.0) ** 2,
             prior=fit.prior,
             noise=0.0,
             terms=0.5 * len(self.problem.basis.names) * float(np.log(max(independent, 2.0))),
