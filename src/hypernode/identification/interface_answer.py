@@ -58,7 +58,8 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
         trials.believe(dataclasses.replace(believed, factor=believed.factor * final.level).of(trials.measurement))
     elif final.level > NOISE_KNOWN:
         trusted = trials.strategy.description_error(False, final.subcells, len(observations.grid.cells))
-        floor = min(sigma * float(np.sqrt(left.level**2 - 1.0)), trusted * float(np.abs(observations.u).max()))
+        beside = sigma * float(np.sqrt(left.level**2 - observations.scatter**2))
+        floor = min(beside, trusted * float(np.abs(observations.u).max()))
     if finds_window and final.fit.window > 0.0:
         step = SeenTest(final.problem, []).step
         window = BelievedWindow(final.fit.window * step, final.fit.window_error * step)
