@@ -38,7 +38,7 @@ def judge_run(
         (
             _convergence(summary, explained),
             explained,
-            *_window(measurement, constrained),
+            *_window(measurement, constrained, settings),
             _places(summary, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
@@ -101,8 +101,8 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
     return limited(name, words, value, threshold, "{:.2f}".format)
 
 
-def _window(measurement, constrained) -> tuple[Criterion, ...]:
-    """That a field had to find the window which cameras see through; none where it had not to."""
+def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
+    """How well a field knows the window which it had to find; none where it had not to."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
     if found is None:
         return ()
@@ -111,7 +111,9 @@ def _window(measurement, constrained) -> tuple[Criterion, ...]:
         f"No correlation_window is stated; the field was identified as seen through one of {side}, which two materials "
         "and a line tell. State that of the engine."
     )
-    return (Criterion("window", Level.WARNED, sentence, found.side),)
+    known = found.error / found.side
+    level = Level.PASSED if known <= settings.window_known else Level.WARNED
+    return (Criterion("window", level, sentence, known, settings.window_known),)
 
 
 def _places(summary, settings: Settings) -> Criterion:

@@ -23,6 +23,8 @@ class Settings:
     misfit_fail: float = 2.0
     #: Misfit below which the field has taken up more than a third of what independent noise leaves, 1 - 0.8^2.
     misfit_low: float = 0.8
+    #: Relative uncertainty of a window that nobody stated, up to which points beside interfaces weigh as if it were.
+    window_known: float = 0.1
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
     #: Share of the sheet in which displacements are not explained: chance makes none, and what is not explained in a
