@@ -32,19 +32,20 @@ def test_the_share_of_a_square_beside_a_straight_line_is_its_area(seed):
 
 def test_slopes_are_those_of_differences():
     distance = LINES.distance(disc(0.31)) + 0.01 * np.random.default_rng(1).normal(size=len(MESH.nodes))
-    slopes, h = LINES.slopes(distance), 1e-6
+    h = 1e-6
 
     def changed(sign, node):
         moved = distance.copy()
         moved[node] += sign * h
-        return LINES.cells(moved)[0]
+        return LINES.cells(moved)
 
     cells = np.flatnonzero((LINES.cells(distance)[0] > 0.1) & (LINES.cells(distance)[0] < 0.9))
     assert len(cells) > 8
-    for cell in cells:
+    for cell, slopes, turns in zip(cells, *LINES.slopes(distance, cells), strict=True):
         for corner, node in enumerate(MESH.cells[cell]):
-            slope = (changed(1.0, node) - changed(-1.0, node))[cell] / (2 * h)
-            np.testing.assert_allclose(slopes[cell, corner], slope, atol=1e-6)
+            (more, one), (less, other) = changed(1.0, node), changed(-1.0, node)
+            np.testing.assert_allclose(slopes[corner], (more - less)[cell] / (2 * h), atol=1e-6)
+            np.testing.assert_allclose(turns[:, corner], (one - other)[cell] / (2 * h), atol=1e-6)
 
 
 def test_areas_normals_and_length_of_a_circle():

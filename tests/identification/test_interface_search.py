@@ -49,7 +49,7 @@ def test_two_materials_and_the_line_between_them_are_found(of_a_disc):
     assert stiff / soft == pytest.approx(2.0, rel=0.02)
     of = found.field.grid_cells()
     covered = (of.one == 1).astype(float)
-    covered[of.cut] = of.share
+    covered[of.cell] = of.share
     stiffest = found.field.materials[1, 0] > found.field.materials[0, 0]
     assert np.abs((covered if stiffest else 1.0 - covered) - share).mean() < 0.02
 
@@ -86,7 +86,7 @@ def test_samples_are_of_the_materials_and_as_far_from_the_answer_as_it_is_uncert
 def test_a_cell_that_a_line_cuts_has_the_stress_of_its_layers(of_a_disc):
     found, _ = of_a_disc
     F = np.tile(np.diag([1.1, 1.1]), (1, CELLS**2, 1, 1))
-    jump, cut = found.jump_stress(F), found.field.grid_cells().cut
+    jump, cut = found.jump_stress(F), found.field.grid_cells().cell
     elsewhere = np.setdiff1d(np.arange(CELLS**2), cut)
     assert len(cut) and not jump[:, elsewhere].any() and np.abs(jump[:, cut]).max() > 0.0
 

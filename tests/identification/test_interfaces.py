@@ -1,13 +1,18 @@
 """Coats of materials and the lines between them."""
 
 import numpy as np
+import pytest
 
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.points import Points
+from hypernode.identification.sheet import Sheet
+from hypernode.mechanics.convex_basis import ConvexBasis
 
 GRID = rectilinear(np.arange(11.0), np.arange(11.0))
 X, Y = GRID.nodes.T
+POINTS = Points(ConvexBasis((), 0.5))
 
 
 def coats(*distances, subcells=1):
@@ -21,13 +26,52 @@ def test_a_later_coat_hides_an_earlier_one():
     assert (found[:, :3] == 0).all() and (found[:, 3:6] == 1).all() and (found[:, 6:] == 2).all()
 
 
+def area_of(field, material):
+    """Share of the sheet."""
+    of, _ = field.cells()
+    whole = np.bincount(of.cell, minlength=len(of.one)) == 0
+    pieces = of.weight * ((of.first == material) * of.share + (of.second == material) * (1.0 - of.share))
+    return ((of.one == material)[whole].sum() + pieces.sum()) / len(of.one)
+
+
 def test_a_line_cuts_cells_by_their_shares_on_any_mesh():
     for subcells in (1, 2):
-        field = coats(X - 4.3, subcells=subcells)
-        of, line = field.cells()
-        area = np.bincount(of.one, minlength=2).astype(float)
-        area[1] += (of.share - 1.0).sum()
-        assert np.isclose(area[1] / len(of.one), 0.57) and (line == 0).all()
+        assert np.isclose(area_of(coats(X - 4.3, subcells=subcells), 1), 0.57)
+
+
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_where_lines_cross_every_material_has_its_area(subcells):
+    field = coats(X - 4.3, Y - 6.2, subcells=subcells)
+    for material, area in enumerate((0.43 * 0.62, 0.57 * 0.62, 0.38)):
+        assert np.isclose(area_of(field, material), area)
+
+
+def forces(field, u):
+    of, _ = field.cells()
+    return Sheet(field.lines.fine.mesh, POINTS, np.ones(len(of.one))).response(u, of)[0]
+
+
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_forces_change_with_every_number_as_their_derivative_says(subcells):
+    field = coats(0.3 + 0.8 * (X - 4.6) + 0.6 * (Y - 4.5), 0.6 * (X - 5.2) - 0.8 * (Y - 5.4), subcells=subcells)
+    mesh = field.lines.fine.mesh
+    u = 0.1 * mesh.nodes + 0.01 * np.random.default_rng(3).normal(size=mesh.nodes.shape)
+    of, _ = field.cells()
+    near = field.near(1.3)
+    response = Sheet(mesh, POINTS, np.ones(len(of.one))).response(u, of, True)[2]
+    found, y, h = field.loads(response, near).toarray(), field.numbers(near), 1e-6
+    for number, unit in enumerate(np.eye(len(y))):
+        more, less = (forces(field.at(y + sign * h * unit, near), u) for sign in (1.0, -1.0))
+        np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
+
+
+def test_nothing_jumps_where_a_line_leaves_a_cell_that_another_cuts():
+    u = 0.1 * GRID.nodes + 0.01 * np.random.default_rng(3).normal(size=GRID.nodes.shape)
+    for distance in (X - 5.0, Y - 5.0):
+        for other in (X + Y - 10.3, Y - X - 0.3):
+            for one in ((distance + 1e-5, other), (other, distance + 1e-5)):
+                moved = [each if each is other else each - 2e-5 for each in one]
+                assert np.abs(forces(coats(*one), u) - forces(coats(*moved), u)).max() < 1e-4
 
 
 def test_two_coats_as_one_cover_what_both_did():

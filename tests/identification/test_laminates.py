@@ -19,8 +19,8 @@ ANGLE = RANDOM.uniform(0.0, np.pi, NUMBER)
 NORMAL = np.stack([np.cos(ANGLE), np.sin(ANGLE)])
 
 
-def stress(F=F, first=FIRST, second=SECOND, share=SHARE):
-    return laminate(POINTS, F, first, second, share, NORMAL, False).P
+def stress(F=F, first=FIRST, second=SECOND, share=SHARE, normal=NORMAL):
+    return laminate(POINTS, F, first, second, share, normal, False).P
 
 
 def difference(name, given, along):
@@ -83,3 +83,11 @@ def test_derivatives_by_materials_and_share_are_those_of_the_stress(parameter):
     np.testing.assert_allclose(found.by_first[:, :, parameter], difference("first", FIRST, along), atol=1e-8)
     np.testing.assert_allclose(found.by_second[:, :, parameter], difference("second", SECOND, along), atol=1e-8)
     np.testing.assert_allclose(found.by_share, difference("share", SHARE, 1.0), atol=1e-8)
+
+
+def test_the_derivative_by_the_normal_is_that_of_a_line_that_turns():
+    turned = np.stack([-NORMAL[1], NORMAL[0]])
+    found = laminate(POINTS, F, FIRST, SECOND, SHARE, NORMAL, True).by_normal
+    along = np.einsum("iJkn,kn->iJn", found, turned)
+    np.testing.assert_allclose(along, difference("normal", NORMAL, turned), atol=1e-8)
+    np.testing.assert_allclose(np.einsum("iJkn,kn->iJn", found, NORMAL), 0.0, atol=1e-12)

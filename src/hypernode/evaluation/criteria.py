@@ -104,7 +104,7 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
 def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
     """How well a field knows the window which it had to find; none where it had not to."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
-    if found is None:
+    if found is None or found.error == 0.0:
         return ()
     side = f"{found.side:.3g} +- {found.error:.1g} {json.loads(measurement.attrs['units'])['length']}"
     sentence = (

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.ndimage
 import scipy.sparse
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
@@ -49,6 +49,17 @@ def cut(distance: Float[Array, " 4"]) -> Float[Array, "3"]:
     return jnp.concatenate([jnp.where(depth > 0.5 * reach, 1.0 - share, share)[None], normal])
 
 
+def _in_sheet(corners: Float[Array, " 4"], sides: Float[Array, " 2"]) -> Float[Array, "3"]:
+    """As :func:`cut`, with the normal in the sheet, where cells have these sides."""
+    found = cut(corners)
+    normal = found[1:] / sides
+    return jnp.concatenate([found[:1], normal / jnp.sqrt(normal @ normal)])
+
+
+#: Of many cells at once.
+_CUT, _SLOPE = jax.jit(jax.vmap(_in_sheet)), jax.jit(jax.vmap(jax.jacrev(_in_sheet)))
+
+
 class ContourLines:
     """Lines on a mesh by their signed distance at its nodes (node,).
 
@@ -63,8 +74,7 @@ class ContourLines:
         self._place = np.divmod(mesh.places, self._shape[1])
         corners = mesh.nodes[mesh.cells]
         self._sides = np.ptp(corners, axis=1)
-        self._cut = jax.jit(jax.vmap(cut))
-        self._slope = jax.jit(jax.vmap(jax.grad(lambda corners: cut(corners)[0])))
+        self._cut, self._slope = _CUT, _SLOPE
 
     def through(self, share: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " node"]:
         """Distance from a line that leaves about these shares of the cells on its positive side."""
@@ -75,13 +85,19 @@ class ContourLines:
 
     def cells(self, distance: Float[np.ndarray, " node"]):
         """(share of every cell where the distance is positive (cell,), unit normal towards there (cell, 2))."""
-        found = np.asarray(self._cut(jnp.asarray(distance[self.mesh.cells])))
-        normal = found[:, 1:] / self._sides
-        return found[:, 0], normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        found = np.asarray(self._cut(jnp.asarray(distance[self.mesh.cells]), self._sides))
+        return found[:, 0], found[:, 1:]
 
-    def slopes(self, distance: Float[np.ndarray, " node"]) -> Float[np.ndarray, "cell 4"]:
-        """Derivative of the shares of :meth:`cells` by the distances at the corners of each."""
-        return np.asarray(self._slope(jnp.asarray(distance[self.mesh.cells])))
+    def slopes(self, distance: Float[np.ndarray, " node"], some: Int[np.ndarray, " some"]):
+        """Derivatives of share and normal of :meth:`cells` by the distances at the corners (some, 4), (some, 2, 4).
+
+        Args:
+            some: numbers of cells.
+        """
+        # As many at once as there are cells: what is compiled serves any number.
+        padded = np.resize(some, len(self.mesh.cells)) if len(some) else np.zeros(len(self.mesh.cells), int)
+        found = np.asarray(self._slope(jnp.asarray(distance[self.mesh.cells[padded]]), self._sides[padded]))
+        return found[: len(some), 0], found[: len(some), 1:]
 
     def distance(self, values: Float[np.ndarray, " node"], fewest: int = 1) -> Float[np.ndarray, " node"]:
         """Signed distance from the zero line of ``values``.

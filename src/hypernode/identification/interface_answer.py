@@ -7,18 +7,21 @@ import scipy.sparse
 
 from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.believed_window import BelievedWindow
+from hypernode.data.measurement import correlation_window, displacement_noise, window_uncertainty
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
-from hypernode.identification.interface_fit import HELD, InterfaceFit
+from hypernode.identification.interface_fit import InterfaceFit
+from hypernode.identification.interface_numbers import HELD, held_of
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.objective import Objective
 from hypernode.identification.regulariser import JumpCost
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
+from hypernode.identification.window_error import changed_by_window, told_errors
 from hypernode.trace import Trial
 
-#: Steps of the last descents, which begin where the search ended.
+#: Steps of the last descent, which begins where the search ended.
 STEPS = 4
 #: Correlation of what different steps leave, up to which it is noise: a shared reference picture makes a half.
 NOISE_SHARED = 0.6
@@ -38,8 +41,9 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     """
     every = list(range(len(kept.problem.observations.u)))
     finds = finds_window and kept.fit.field.count > 1
+    # What is left of them all decides noise and window before numbers move again.
     move, field, window = "all load steps", kept.fit.field, kept.fit.window
-    final = trials.descend(move, kept, kept.problem, field, kept.u, every, STEPS, window, finds) or kept
+    final = trials.descend(move, kept, kept.problem, field, kept.u, every, 0, window, finds) or kept
     floor = _believed(trials, final, finds)
     problem = trials.problem(final.terms, final.subcells, floor)
     descent = InterfaceFit(SeenTest(problem, every), settled=True)
@@ -52,18 +56,26 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
 def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     """What finite elements miss, once the trials believe the noise and the window that are left."""
     left, observations, sigma = final.fit.left, final.problem.observations, final.problem.sigma
+    step, measurement = SeenTest(final.problem, []).step, trials.measurement
+    side, kernel = correlation_window(measurement)
+    side, error = (final.fit.window * step, final.fit.window_error * step) if finds_window else (side, 0.0)
+    changed = changed_by_window(observations.grid, observations.u, side, kernel)
+    residuals = [
+        sigma * b.relative * white[: len(b.seen)]
+        for white, b in zip(final.fit.white, observations.boundaries, strict=True)
+    ]
+    near = [each.ravel()[b.observed] for each, b in zip(changed, observations.boundaries, strict=True)]
+    level, texture = told_errors(np.concatenate(residuals), np.concatenate(near))
+    level = level / displacement_noise(measurement) * left.level / final.fit.misfit
     floor = 0.0
-    if final.level > NOISE_KNOWN and left.steps <= NOISE_SHARED:
-        believed = BelievedNoise.read(trials.measurement.attrs)
-        trials.believe(dataclasses.replace(believed, factor=believed.factor * final.level).of(trials.measurement))
-    elif final.level > NOISE_KNOWN:
+    if level > NOISE_KNOWN and left.steps <= NOISE_SHARED:
+        believed = BelievedNoise.read(measurement.attrs)
+        trials.believe(dataclasses.replace(believed, factor=believed.factor * level).of(measurement))
+    elif level > NOISE_KNOWN:
         trusted = trials.strategy.description_error(False, final.subcells, len(observations.grid.cells))
-        beside = sigma * float(np.sqrt(left.level**2 - observations.scatter**2))
-        floor = min(beside, trusted * float(np.abs(observations.u).max()))
-    if finds_window and final.fit.window > 0.0:
-        step = SeenTest(final.problem, []).step
-        window = BelievedWindow(final.fit.window * step, final.fit.window_error * step)
-        trials.believe(window.of(trials.measurement))
+        floor = min(sigma * float(np.sqrt(level**2 - 1.0)), trusted * float(np.abs(observations.u).max()))
+    if side > 0.0 and window_uncertainty(measurement) > 0.0:
+        trials.believe(BelievedWindow(side, error, texture).of(trials.measurement))
     return floor
 
 
@@ -71,6 +83,7 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
     fit, problem, test = found.fit, found.problem, descent.test
     near, materials = descent.near(fit.field), fit.field.materials
     count = len(fit.field.numbers(near))
+    unknown = np.where(np.arange(count) < materials.size, 0.0, HELD)
     going = np.ones(count, bool)
     going[: materials.size] = (materials > problem.basis.lowest).ravel()
     each = zip(fit.states, problem.observations.boundaries, strict=True)
@@ -94,7 +107,7 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         near=near,
         going=going,
         # Where neither data nor bends say anything of a distance, it is known to some cells.
-        held=descent.held(fit.field, near) + scipy.sparse.diags(np.where(np.arange(count) < materials.size, 0.0, HELD)),
+        held=held_of(fit.field, near, trials.strategy.ridge) + scipy.sparse.diags(unknown),
         left=fit.left,
         scored=score,
     )

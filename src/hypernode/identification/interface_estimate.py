@@ -12,7 +12,6 @@ from hypernode.identification.estimate import Estimate
 from hypernode.identification.few_materials import ReducedEquations
 from hypernode.identification.interface_noise import Left
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.laminates import laminate
 from hypernode.identification.points import Points
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.trace import Score
@@ -87,17 +86,17 @@ class InterfaceEstimate(Estimate):
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
         """Stress of a cell that a line cuts, of layers, less that of the material at its centre; zero elsewhere."""
-        of, found = self.field.grid_cells(), np.zeros(F.shape)
-        points, count = Points(self.basis), len(of.cut)
-        if not count:
-            return found
-        flat = np.moveaxis(F[:, of.cut], (2, 3), (0, 1)).reshape(2, 2, -1)
-        centre = self.field.materials[self.labels[of.cut]]
-        each = of.materials[of.one[of.cut]].T, of.materials[of.other].T, of.share, of.normal.T, centre.T
-        *layers, centre = (np.tile(part, len(F)) for part in each)
-        jump = laminate(points, flat, *layers, False).P - points.stress(flat, centre)[0]
-        found[:, of.cut] = np.moveaxis(jump.reshape(2, 2, len(F), count), (0, 1), (2, 3))
-        return found
+        of, points = self.field.grid_cells(), Points(self.basis)
+        if not len(of.cell):
+            return np.zeros(F.shape)
+        steps, count = F.shape[:2]
+        layers = of.layers(points, np.moveaxis(F[:, of.cell], (2, 3), (0, 1)), False)
+        mean = of.mean(layers.P.reshape(2, 2, steps, -1), count)
+        cut = np.unique(of.cell)
+        centre = np.tile(self.field.materials[self.labels[cut]].T, steps)
+        flat = np.moveaxis(F[:, cut], (2, 3), (0, 1)).reshape(2, 2, -1)
+        mean[..., cut] -= points.stress(flat, centre)[0].reshape(2, 2, steps, -1)
+        return np.moveaxis(mean, (0, 1), (2, 3))
 
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
         """Fields that the test tells as little from this one as what it leaves allows, to first order; lines stay.

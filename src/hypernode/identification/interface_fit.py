@@ -8,27 +8,24 @@ their noise.
 import dataclasses
 
 import numpy as np
-import scipy.sparse
-from jaxtyping import Float
 
 from hypernode.identification.interface_noise import Left, left_of
+from hypernode.identification.interface_numbers import UNKNOWN, Numbers, numbers_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.projected_newton import projected_steps
+from hypernode.identification.projected_newton import bounded_step, projected_steps
 from hypernode.identification.seen_test import SeenTest
 from hypernode.verdict import Ending
 
 #: Distance from a line, in sides of cells, within which it may change: corners of the cells that it cuts.
 REACH = 1.3
-#: In sides of cells: how near a line its distances bend, and by how much they usually do.
-BENT, BEND = 0.8, 0.3
-#: Inverse variance of what a step changes of distances without data. Regions of fewer nodes than a cell's are none.
-HELD, FEWEST = 3.0, 4
 #: Steps before which distances are measured anew, so that their slope stays one, and how many follow at least.
 MEASURED, SETTLED = (2, 5), 6
+#: Regions of fewer nodes than a cell's are none.
+FEWEST = 4
 #: What a step gains that ends a descent, and the same over the cost.
 GAIN, RELATIVE_GAIN = 0.5, 1e-3
-#: Inverse variance of the window without data: none.
-UNKNOWN = 1e-6
+#: Share of what a step promises that it must gain, so that the next one may be made of the same derivatives.
+TRUSTED = 0.7
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,27 +65,29 @@ class Fit:
 
 
 @dataclasses.dataclass(frozen=True)
-class _Numbers:
-    """The numbers of a field, their prior and their bounds.
+class _Model:
+    """Derivatives of the residuals where they were last followed.
 
     Attributes:
-        y: values.
-        near: nodes of each line's distances.
-        held, centre: inverse covariance and mean without data.
-        lowest: least values.
-        floor: added to the curvature, for what data do not tell.
+        near: nodes of each line's distances among the numbers.
+        sigma: by which residuals of displacements were divided.
+        jacobians: by step (residual, number).
     """
 
-    y: Float[np.ndarray, " number"]
     near: list
-    held: scipy.sparse.csr_matrix
-    centre: Float[np.ndarray, " number"]
-    lowest: Float[np.ndarray, " number"]
-    floor: Float[np.ndarray, " number"]
+    sigma: float
+    jacobians: list[np.ndarray]
 
-    def prior(self, y) -> float:
-        """What numbers cost without data."""
-        return 0.5 * float((y - self.centre) @ (self.held @ (y - self.centre)))
+    def over(self, sigma: float, displacements: list[int]) -> list[np.ndarray]:
+        """The same for another uncertainty of the displacements, of which there are so many by step."""
+        if sigma == self.sigma:
+            return self.jacobians
+        found = []
+        for J, count in zip(self.jacobians, displacements, strict=True):
+            J = J.copy()
+            J[:count] *= self.sigma / sigma
+            found.append(J)
+        return found
 
 
 class InterfaceFit:
@@ -102,41 +101,17 @@ class InterfaceFit:
 
     def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True, settled: bool = False):
         self.test, self._finds, self._moves = test, find_window, move_lines
-        self._strategy, self._law = test.problem.strategy, test.problem.basis
+        self._strategy = test.problem.strategy
         self._window_error, self._measures = 0.0, move_lines and not settled
+        self._model: _Model | None = None
 
     def near(self, field: Interfaces) -> list:
         """Nodes of which each line's distance is a number."""
         return field.near(REACH) if self._moves else [np.zeros(0, int) for _ in field.distances]
 
-    def held(self, field: Interfaces, near) -> scipy.sparse.csr_matrix:
-        """Inverse covariance of materials and distances without data."""
-        bends = field.lines.grid.bends
-        blocks = [self._strategy.ridge * scipy.sparse.identity(field.materials.size)]
-        middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
-        for row, nodes in zip(field.distances, near, strict=True):
-            inside = np.zeros(len(row))
-            inside[nodes] = 1.0
-            rows = (whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT)
-            some = bends[np.flatnonzero(rows)][:, nodes] / BEND
-            blocks.append(some.T @ some)
-        return scipy.sparse.block_diag(blocks, format="csr")
-
-    def _numbers(self, field: Interfaces) -> _Numbers:
-        near = self.near(field)
-        y, held = field.numbers(near), self.held(field, near)
-        centre = np.zeros(len(self._law.names))
-        centre[0] = self.test.problem.homogeneous.params[0]
-        extra = len(y) - field.materials.size
-        centre = np.concatenate([np.tile(centre, field.count), np.zeros(extra)])
-        lowest = np.concatenate([np.tile(self._law.lowest, field.count), np.full(extra, -np.inf)])
-        known = self._strategy.largest_step**-2.0
-        floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, HELD)])
-        if self._finds:
-            y, centre = np.append(y, self.test.window), np.append(centre, self.test.window)
-            held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
-            lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
-        return _Numbers(y, near, held, centre, lowest, floor)
+    def _numbers(self, field: Interfaces, near=None) -> Numbers:
+        window = self.test.window if self._finds else None
+        return numbers_of(self.test.problem, field, self.near(field) if near is None else near, window)
 
     def descend(self, field: Interfaces, guesses, iterations: int) -> Fit | None:
         """Where a descent ends; None without equilibrium.
@@ -148,32 +123,61 @@ class InterfaceFit:
         if (states := test.states(field, guesses)) is None:
             return None
         history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
+        self._model = None
         for number in range(iterations):
             if self._measures and number in MEASURED:
                 anew = field.measured_anew(FEWEST)
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
+                self._model = None
             sigma = test.sigma_of(states, sigma)
             history.append(test.left(states))
+            fresh = self._model is None
             moved, before, gained = self._step(field, states, sigma)
-            if moved is None:
-                ending = Ending.CONVERGED if gained < max(GAIN, RELATIVE_GAIN * before) else Ending.STAGNATED
+            small = gained < max(GAIN, RELATIVE_GAIN * before)
+            if moved is not None:
+                field, states = moved
+            if not fresh and (moved is None or small):
+                # Old derivatives say nothing of the end.
+                self._model = None
+            elif moved is None:
+                ending = Ending.CONVERGED if small else Ending.STAGNATED
                 break
-            field, states = moved
-            if gained < max(GAIN, RELATIVE_GAIN * before) and number >= SETTLED * (self._measures and field.count > 1):
+            elif small and number >= SETTLED * (self._measures and field.count > 1):
                 ending = Ending.CONVERGED
                 break
         return self._fit(field, states, ending, history)
 
-    def _step(self, field: Interfaces, states, sigma: float):
-        """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
-        test, numbers = self.test, self._numbers(field)
-        shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-        jacobians = test.answers(states, test.loads(field, states, numbers.near), sigma)
+    def predicted(self, field: Interfaces, guesses, sigma: float) -> float:
+        """What a step would leave of the cost if nothing bent; infinite without equilibrium."""
+        if (states := self.test.states(field, guesses)) is None:
+            return np.inf
+        numbers, shared = self._numbers(field), self.test.shared(states, sigma)
+        residuals = self.test.residuals(states, sigma)
+        curvature, gradient = shared.normal(
+            self.test.answers(states, self.test.loads(field, states, numbers.near), sigma), residuals
+        )
+        curvature, gradient = curvature + numbers.held.toarray(), gradient + numbers.held @ (numbers.y - numbers.centre)
+        _, gain, _ = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, self._strategy)
+        return 0.5 * shared.squared(residuals) + numbers.prior(numbers.y) - gain
+
+    def _followed(self, field: Interfaces, states, sigma: float) -> _Model:
+        """Derivatives at a field."""
+        near, test = self.near(field), self.test
+        jacobians = test.answers(states, test.loads(field, states, near), sigma)
         if self._finds:
             columns = test.by_window(states, sigma)
             jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
+        return _Model(near, sigma, jacobians)
+
+    def _step(self, field: Interfaces, states, sigma: float):
+        """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
+        test, fresh = self.test, self._model is None
+        model = self._followed(field, states, sigma) if fresh else self._model
+        numbers, self._model = self._numbers(field, model.near), None
+        shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         before = 0.5 * shared.squared(residuals) + numbers.prior(numbers.y)
+        jacobians = model.over(sigma, [len(b.seen) for b in test.boundaries])
         curvature, gradient = shared.normal(jacobians, residuals)
         curvature = curvature + numbers.held.toarray()
         gradient = gradient + numbers.held @ (numbers.y - numbers.centre)
@@ -187,13 +191,16 @@ class InterfaceFit:
             promised.append(gain)
             trial = field.at(changed[:count], numbers.near)
             reached = test.states(trial, [u for u, _, _ in states])
-            if reached is None:
-                continue
-            if self._finds:
-                test.see_through(float(changed[-1]))
-            after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(changed)
-            if after < before:
-                return (trial, reached), before, before - after
+            if reached is not None:
+                if self._finds:
+                    test.see_through(float(changed[-1]))
+                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(changed)
+                if after < before:
+                    if len(promised) == 1 and before - after > TRUSTED * gain:
+                        self._model = model
+                    return (trial, reached), before, before - after
+            if not fresh:
+                break
         test.see_through(window)
         return None, before, promised[0]
 
@@ -227,7 +234,7 @@ class InterfaceFit:
             history,
         )
 
-    def _determined(self, field, numbers: _Numbers, shared, jacobians, residuals, left: Left):
+    def _determined(self, field, numbers: Numbers, shared, jacobians, residuals, left: Left):
         """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""
         looser = max(left.level * float(np.sqrt(left.inflation)), 1.0)
         for J, u in zip(jacobians, self.test.of_displacements(residuals), strict=True):

@@ -10,13 +10,13 @@ import numpy as np
 import xarray as xr
 
 from hypernode.config.methods import Constrained
-from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.information import information_of
 from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
+from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.partition import cut_into
 from hypernode.identification.problem import FieldProblem
@@ -31,12 +31,12 @@ MOST = 4
 #: Side of a window that nobody stated, in points, where its search begins: subsets overlap by half. Below the second it
 #: changes less than points apart do, and is none.
 WINDOW, NO_WINDOW = 1.5, 0.5
-#: What is known of a window that coarse elements tell.
-WINDOW_KNOWN = 0.1
 #: Rows and columns into which a cell is divided for the answer.
 FINER = 2
 #: Steps of a descent at most: of few materials, of finer elements, of a law alone.
 STEPS, FINER_STEPS, LAW_STEPS = 15, 8, 6
+#: How many of the terms that may join are tried, those first that promise most.
+TERMS_TRIED = 2
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
 EVIDENCE = 3.0
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
@@ -149,22 +149,37 @@ class Search:
         return kept
 
     def _law(self, kept: Candidate) -> Candidate:
-        """Terms of the law, one after the other as long as one explains more than it costs; lines follow."""
+        """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
+
+        The term that promises most is tried, and the second where that one does not pay.
+        """
         trials = self._trials
         while True:
-            tried = [each for each in (self._with(kept, term) for term in self._open(kept)) if each is not None]
-            if not tried:
+            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))[:TERMS_TRIED]
+            paid = None
+            for term in promising:
+                found = self._with(kept, term)
+                if found is None:
+                    continue
+                gain = found.gain_over(kept)
+                if gain > EVIDENCE:
+                    paid = found
+                    trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
+                    break
+                trials.passed_over(found, f"scores {-gain:+.1f} against the law without {term}")
+            if paid is None:
                 return kept
-            best = max(tried, key=lambda each: each.gain_over(kept))
-            term, gain = best.terms[-1], best.gain_over(kept)
-            for other in tried:
-                trials.passed_over(other, f"{term} gains more")
-            if gain <= EVIDENCE:
-                trials.passed_over(best, f"scores {-gain:+.1f} against the law without {term}")
-                return kept
-            trials.passed_over(best, "")
-            trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
-            kept = self._lines_again(best)
+            kept = self._lines_again(paid)
+
+    def _predicted(self, kept: Candidate, term: str) -> float:
+        """The score that a term promises: of one step of the materials, lines as they are."""
+        problem = self._trials.with_term(kept, term)
+        field = kept.fit.field.with_law(_translated(kept, problem))
+        left = kept.fit.left
+        sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
+        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
+        cost = descent.predicted(field, [kept.u[k] for k in self._steps], sigma)
+        return cost + 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
 
     def _lines_again(self, kept: Candidate) -> Candidate:
         """Lines that follow another law."""
@@ -179,7 +194,7 @@ class Search:
 
     def _with(self, kept: Candidate, term: str) -> Candidate | None:
         """The same lines between materials of a law with one term more."""
-        problem = self._trials.problem((*kept.terms, term), kept.subcells)
+        problem = self._trials.with_term(kept, term)
         field = kept.fit.field.with_law(_translated(kept, problem))
         window = kept.fit.window
         return self._trials.descend(
@@ -198,9 +213,6 @@ class Search:
             return coarse
         trials, window = self._trials, coarse.fit.window
         self._finds = self._finds and window > NO_WINDOW
-        if self._finds:
-            side = window * SeenTest(coarse.problem, []).step
-            trials.believe(BelievedWindow(side, WINDOW_KNOWN * side).of(trials.measurement))
         problem = trials.problem(coarse.terms, FINER)
         field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement))
         u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}

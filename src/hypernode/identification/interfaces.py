@@ -2,7 +2,7 @@
 
 Materials are laid one over the other, as coats of paint: the first is everywhere, each further one where the distance
 from its own line is positive. So any number of materials have lines of their own. Where two coats meet, the later one
-hides the earlier. A cell that the uppermost line cuts is of two layers.
+hides the earlier. A cell that a line cuts is of two layers.
 """
 
 import dataclasses
@@ -14,10 +14,8 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
+from hypernode.identification.coats import Cuts, laid, layers_of
 from hypernode.identification.sheet import CellMaterials, CellResponse
-
-#: Share of a cell below which a layer of it is none.
-SMALLEST_SHARE = 1e-5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,8 +63,8 @@ class Interfaces:
         """How many materials there are."""
         return len(self.materials)
 
-    def cells(self) -> tuple[CellMaterials, Int[np.ndarray, " cut"]]:
-        """(what every cell of the finite elements is of, the line that cuts each cut cell)."""
+    def cells(self) -> tuple[CellMaterials, Cuts]:
+        """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
         return self._cells(self.lines.fine, [self.lines.between @ distance for distance in self.distances])
 
     def grid_cells(self) -> CellMaterials:
@@ -74,31 +72,24 @@ class Interfaces:
         return self._cells(self.lines.grid, self.distances)[0]
 
     def _cells(self, contours: ContourLines, distances):
-        count = len(contours.mesh.cells)
-        one, other, line = np.zeros(count, int), np.zeros(count, int), np.full(count, -1)
-        share, normal = np.ones(count), np.tile([1.0, 0.0], (count, 1))
-        for k, distance in enumerate(distances):
-            covered, towards = contours.cells(distance)
-            # Below a cut stands what most of the cell is of.
-            below = np.where((line >= 0) & (share < 0.5), other, one)
-            whole = covered > 1.0 - SMALLEST_SHARE
-            cut = (covered > SMALLEST_SHARE) & ~whole
-            # Where two lines cut a cell, the one that divides it more evenly counts.
-            taken = cut & ((line < 0) | (np.abs(covered - 0.5) <= np.abs(share - 0.5)))
-            one = np.where(whole | taken, k + 1, one)
-            other = np.where(taken, below, other)
-            line = np.where(taken, k, np.where(whole, -1, line))
-            share = np.where(taken, covered, np.where(whole, 1.0, share))
-            normal[taken] = towards[taken]
-        cut = np.flatnonzero(line >= 0)
-        return CellMaterials(self.materials, one, cut, other[cut], share[cut], normal[cut]), line[cut]
+        base, low, up = laid(contours, distances)
+        cut = np.flatnonzero(up.line >= 0)
+        once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
+        pieces, cuts = layers_of(base, low, up, once, twice)
+        return CellMaterials(self.materials, base, *pieces), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""
-        of = self.grid_cells()
-        labels = of.one.copy()
-        labels[of.cut] = np.where(of.share < 0.5, of.other, of.one[of.cut])
-        return labels
+        base, low, up = laid(self.lines.grid, self.distances)
+        area, rows = np.zeros((len(base), self.count)), np.arange(len(base))
+        above, between = (np.where(cut.line < 0, 0.0, cut.share) for cut in (up, low))
+        for material, share in (
+            (base, (1.0 - above) * (1.0 - between)),
+            (low.line + 1, (1.0 - above) * between),
+            (up.line + 1, above),
+        ):
+            np.add.at(area, (rows, material), share)
+        return area.argmax(axis=1)
 
     def near(self, reach: float) -> list[Int[np.ndarray, " near"]]:
         """Nodes of the grid of which each line's distance may change."""
@@ -106,12 +97,13 @@ class Interfaces:
 
     def loads(self, response: CellResponse, near) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the materials, row by row, and by the distances of the near nodes."""
-        of, line = self.cells()
+        of, cuts = self.cells()
         mesh, count = self.lines.fine.mesh, self.materials.shape[1]
         rows, columns, values = [], [], []
         for each, material, dofs in (
             (response.by_one, of.one, mesh.dofs),
-            (response.by_other, of.other, mesh.dofs[of.cut]),
+            (response.by_first, of.first, mesh.dofs[of.cell]),
+            (response.by_second, of.second, mesh.dofs[of.cell]),
         ):
             rows.append(np.repeat(dofs[:, :, None], count, axis=2).ravel())
             columns.append(np.broadcast_to(material[:, None, None] * count + np.arange(count), each.shape).ravel())
@@ -119,11 +111,14 @@ class Interfaces:
         entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         found = [scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.materials.size))]
         for k, nodes in enumerate(near):
-            own = np.flatnonzero(line == k)
-            slopes = self.lines.fine.slopes(self.lines.between @ self.distances[k])[of.cut[own]]
-            each = response.by_share[own][:, :, None] * slopes[:, None]
-            rows = np.broadcast_to(mesh.dofs[of.cut[own]][:, :, None], each.shape).ravel()
-            columns = np.broadcast_to(mesh.cells[of.cut[own]][:, None], each.shape).ravel()
+            own = np.flatnonzero((cuts.low == k) | (cuts.up == k))
+            slopes, turns = self.lines.fine.slopes(self.lines.between @ self.distances[k], of.cell[own])
+            by_weight = np.where(cuts.low == k, cuts.weight_by_low, cuts.weight_by_up)[own]
+            between = (cuts.line[own] == k)[:, None]
+            by_share = response.by_weight[own] * by_weight[:, None] + between * response.by_share[own]
+            each = by_share[:, :, None] * slopes[:, None] + between[:, None] * (response.by_normal[own] @ turns)
+            rows = np.broadcast_to(mesh.dofs[of.cell[own]][:, :, None], each.shape).ravel()
+            columns = np.broadcast_to(mesh.cells[of.cell[own]][:, None], each.shape).ravel()
             by_fine = scipy.sparse.csr_matrix((each.ravel(), (rows, columns)), (mesh.nodes.size, len(mesh.nodes)))
             found.append(by_fine @ self.lines.between[:, nodes])
         return scipy.sparse.hstack(found, format="csr")

@@ -23,13 +23,17 @@ LARGEST = 0.2
 
 
 class LaminateStress(NamedTuple):
-    """Stress of layers [i, J, point] and its derivatives; the last three only where they were asked for."""
+    """Stress of layers [i, J, point] and its derivatives; the last four only where they were asked for.
+
+    The derivative by the normal [i, J, k, point] is that of all vectors, of which only turning ones change the stress.
+    """
 
     P: Float[np.ndarray, "2 2 point"]
     by_F: Float[np.ndarray, "2 2 2 2 point"]
     by_first: Float[np.ndarray, "2 2 parameter point"] | None
     by_second: Float[np.ndarray, "2 2 parameter point"] | None
     by_share: Float[np.ndarray, "2 2 point"] | None
+    by_normal: Float[np.ndarray, "2 2 2 point"] | None
 
 
 def laminate(points: Points, F, first, second, share, normal, with_parameters: bool) -> LaminateStress:
@@ -40,7 +44,7 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
         first, second: parameters of both sides (parameter, point).
         share: of the first side (point,).
         normal: of the plane (2, point).
-        with_parameters: whether derivatives by parameters and share are wanted.
+        with_parameters: whether derivatives by parameters, share and normal are wanted.
     """
     c, N, a = share, normal, np.zeros_like(normal)
 
@@ -78,14 +82,16 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
     P = c * P_A + (1.0 - c) * P_B
     by_F = mean + through_jump(of_F)
     if not with_parameters:
-        return LaminateStress(P, by_F, None, None, None)
+        return LaminateStress(P, by_F, None, None, None, None)
     by_first = c * D_A + through_jump(np.einsum("iJpn,Jn->ipn", D_A, N))
     by_second = (1.0 - c) * D_B - through_jump(np.einsum("iJpn,Jn->ipn", D_B, N))
     across = a[:, None] * N[None]
     gap_by_share = -np.einsum("ikLn,kLn->in", of_F, across)
     by_share = P_A - P_B - np.einsum("iJkLn,kLn->iJn", mean, across)
     by_share = by_share + through_jump(gap_by_share[:, None])[:, :, 0]
-    return LaminateStress(P, by_F, by_first, by_second, by_share)
+    gap_by_normal = np.einsum("iJkLn,kn,Jn->iLn", (1.0 - c) * A + c * B, a, N) + P_A - P_B
+    by_normal = c * (1.0 - c) * np.einsum("iJkLn,kn->iJLn", difference, a) + through_jump(gap_by_normal)
+    return LaminateStress(P, by_F, by_first, by_second, by_share, by_normal)
 
 
 def _across(c, A, B, N):

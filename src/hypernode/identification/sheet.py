@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.laminates import laminate
+from hypernode.identification.laminates import LaminateStress, laminate
 from hypernode.identification.points import Points
 
 #: Newton steps to equilibrium at most.
@@ -20,21 +20,38 @@ STEPS = 12
 class CellMaterials:
     """Which materials cells are of.
 
+    A cell that lines cut is a weighted mean of layers of two materials.
+
     Attributes:
         materials: parameters (material, parameter).
-        one: material of every cell, of a cut one that on the positive side of its line (cell,).
-        cut: numbers of the cells that a line cuts (cut,).
-        other: material on the other side (cut,).
-        share: of the first (cut,).
-        normal: of the line there, towards the first (cut, 2).
+        one: material of every cell; of a cut one it says nothing (cell,).
+        cell: number of the cell of each pair of layers (piece,).
+        first, second: materials on the positive and on the other side (piece,).
+        share: of the first (piece,).
+        normal: of the plane between them, towards the first (piece, 2).
+        weight: of the pair in its cell; those of a cell add up to one (piece,).
     """
 
     materials: Float[np.ndarray, "material parameter"]
     one: Int[np.ndarray, " cell"]
-    cut: Int[np.ndarray, " cut"]
-    other: Int[np.ndarray, " cut"]
-    share: Float[np.ndarray, " cut"]
-    normal: Float[np.ndarray, "cut 2"]
+    cell: Int[np.ndarray, " piece"]
+    first: Int[np.ndarray, " piece"]
+    second: Int[np.ndarray, " piece"]
+    share: Float[np.ndarray, " piece"]
+    normal: Float[np.ndarray, "piece 2"]
+    weight: Float[np.ndarray, " piece"]
+
+    def layers(self, points: Points, F: Float[np.ndarray, "2 2 quad piece"], with_parameters: bool) -> LaminateStress:
+        """What each pair of layers answers to the deformation of its cell [..., quad and piece]."""
+        given = self.materials[self.first].T, self.materials[self.second].T, self.share, self.normal.T
+        each = (np.tile(part, F.shape[2]) for part in given)
+        return laminate(points, F.reshape(2, 2, -1), *each, with_parameters)
+
+    def mean(self, of_pieces: Float[np.ndarray, "... piece"], count: int) -> Float[np.ndarray, "... cell"]:
+        """Weighted means over the pieces of every cell, zero in cells that no line cuts."""
+        pieces = np.arange(len(self.cell))
+        add = scipy.sparse.csr_matrix((self.weight, (pieces, self.cell)), (len(pieces), count))
+        return (of_pieces.reshape(-1, len(pieces)) @ add).reshape(*of_pieces.shape[:-1], count)
 
 
 @dataclass(frozen=True)
@@ -42,14 +59,19 @@ class CellResponse:
     """Nodal forces of cells by what decides them.
 
     Attributes:
-        by_one: derivative of the forces by the parameters of the first material (cell, 8, parameter).
-        by_other: by those of the second (cut, 8, parameter).
-        by_share: by the share of the first (cut, 8).
+        by_one: derivative of the forces by the parameters of the material of uncut cells (cell, 8, parameter).
+        by_first, by_second: by those of both materials of a pair of layers (piece, 8, parameter).
+        by_weight: by the weight of a pair (piece, 8).
+        by_share: by the share of the first (piece, 8).
+        by_normal: by the normal of the plane (piece, 8, 2).
     """
 
     by_one: np.ndarray
-    by_other: np.ndarray
+    by_first: np.ndarray
+    by_second: np.ndarray
+    by_weight: np.ndarray
     by_share: np.ndarray
+    by_normal: np.ndarray
 
 
 class Sheet:
@@ -82,27 +104,20 @@ class Sheet:
         H = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B)
         F = H + np.eye(2)[:, :, None, None]
         shape, flat = F.shape, F.reshape(2, 2, -1)
-        quads, params = shape[2], of.materials[of.one].T
-        every = np.tile(params, (1, quads))
+        quads, whole = shape[2], np.bincount(of.cell, minlength=shape[3]) == 0
+        every = np.tile(of.materials[of.one].T, (1, quads))
         if with_parameters:
             P, A, D = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.all(flat, every))
         else:
             P, A = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.stress(flat, every))
         cells = None
-        if len(of.cut):
-            some = F[..., of.cut].reshape(2, 2, -1)
-            given = params[:, of.cut], of.materials[of.other].T, of.share, of.normal.T
-            layers = laminate(self.points, some, *(np.tile(each, quads) for each in given), with_parameters)
-            at = (quads, len(of.cut))
-            P[..., of.cut] = layers.P.reshape(2, 2, *at)
-            A[..., of.cut] = layers.by_F.reshape(2, 2, 2, 2, *at)
+        if len(of.cell):
+            layers = of.layers(self.points, F[..., of.cell], with_parameters)
+            P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), shape[3])
+            A = A * whole + of.mean(layers.by_F.reshape(2, 2, 2, 2, quads, -1), shape[3])
         if with_parameters:
-            by_other, by_share = np.zeros((0, 8, D.shape[2])), np.zeros((0, 8))
-            if len(of.cut):
-                D[..., of.cut] = layers.by_first.reshape(*D.shape[:3], *at)
-                by_other = self._forces(layers.by_second.reshape(*D.shape[:3], *at), of.cut)
-                by_share = self._forces(layers.by_share.reshape(2, 2, 1, *at), of.cut)[..., 0]
-            cells = CellResponse(self._forces(D), by_other, by_share)
+            pieces = self._of_pieces(layers, of) if len(of.cell) else _no_pieces(D.shape[2])
+            cells = CellResponse(self._forces(D * whole), *pieces)
         force = self._forces(P[:, :, None])[..., 0]
         # Forces follow from P by B, and F from u by B again.
         half = np.einsum("aJqc,iJkLqc->aikLqc", self._B, A * self._weight, optimize=True)
@@ -117,17 +132,26 @@ class Sheet:
         found = np.einsum("aJqc,iJpqc->caip", B, P * weight, optimize=True)
         return found.reshape(found.shape[0], 8, -1)
 
+    def _of_pieces(self, layers: LaminateStress, of: CellMaterials):
+        """Everything of :class:`CellResponse` that pairs of layers have."""
+        found, quads = [], self._B.shape[2]
+        each = layers.by_first, layers.by_second, layers.P[:, :, None], layers.by_share[:, :, None], layers.by_normal
+        for part, weight in zip(each, (of.weight, of.weight, 1.0, of.weight, of.weight), strict=True):
+            stress = part.reshape(*part.shape[:3], quads, -1) * weight
+            found.append(self._forces(stress, of.cell))
+        by_first, by_second, by_weight, by_share, by_normal = found
+        return by_first, by_second, by_weight[..., 0], by_share[..., 0], by_normal
+
     def cell_forces(self, u: Float[np.ndarray, "node 2"], of: CellMaterials) -> Float[np.ndarray, "cell 8"]:
         """Nodal forces by cell."""
         F = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B) + np.eye(2)[:, :, None, None]
-        quads, params = F.shape[2], of.materials[of.one].T
-        P, _ = self.points.stress(F.reshape(2, 2, -1), np.tile(params, (1, quads)))
+        quads, count = F.shape[2:]
+        P, _ = self.points.stress(F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads)))
         P = P.reshape(F.shape)
-        if len(of.cut):
-            given = params[:, of.cut], of.materials[of.other].T, of.share, of.normal.T
-            some = F[..., of.cut].reshape(2, 2, -1)
-            layers = laminate(self.points, some, *(np.tile(each, quads) for each in given), False)
-            P[..., of.cut] = layers.P.reshape(2, 2, quads, -1)
+        if len(of.cell):
+            layers = of.layers(self.points, F[..., of.cell], False)
+            whole = np.bincount(of.cell, minlength=count) == 0
+            P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), count)
         return self._forces(P[:, :, None])[..., 0]
 
     def stiffer(self, factor: Float[np.ndarray, " cell"]) -> "Sheet":
@@ -151,3 +175,8 @@ class Sheet:
             step[free] = factorise(K[free][:, free]).solve(force[free])
             u = u - step.reshape(u.shape)
         return None
+
+
+def _no_pieces(parameters: int):
+    """What :class:`CellResponse` has of pairs of layers where there are none."""
+    return np.zeros((0, 8, parameters)), np.zeros((0, 8, parameters)), *2 * (np.zeros((0, 8)),), np.zeros((0, 8, 2))

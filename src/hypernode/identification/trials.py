@@ -10,7 +10,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.problem import FieldProblem, field_problem
+from hypernode.identification.problem import FieldProblem, field_problem, with_law
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
 from hypernode.progress import say
@@ -51,6 +51,15 @@ class Trials:
             largest = float(np.nanmax(np.abs(self.measurement["u_measured"].values)))
             least = self.strategy.same_grid_floor * largest
             self._problems[key] = field_problem(self.measurement, settings, subcells, self.strategy, max(floor, least))
+        return self._problems[key]
+
+    def with_term(self, candidate: Candidate, term: str) -> FieldProblem:
+        """The problem of a candidate whose law has one term more; what is homogeneous stays as it was fitted."""
+        key = (*candidate.terms, term), candidate.subcells, "law"
+        if key not in self._problems:
+            old = candidate.problem.basis
+            law = dataclasses.replace(old, terms=(*candidate.terms, term))
+            self._problems[key] = with_law(candidate.problem, law)
         return self._problems[key]
 
     def descend(

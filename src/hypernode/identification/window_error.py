@@ -8,10 +8,29 @@ every load step, and alike at neighbours whose subsets overlap (docs/decisions/0
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
+from scipy.optimize import minimize
 
 from hypernode.data.measurement import correlation_window, window_uncertainty
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.camera import window_average
+
+#: Share of what a window changes that its engine misses: where a search for it begins, and at most, when the mean over
+#: the window says nothing of what is seen.
+FIRST_SHARE, LARGEST_SHARE = 0.1, 1.0
+
+
+def changed_by_window(
+    grid: Mesh, u: Float[np.ndarray, "step node 2"], window: float, kernel: str
+) -> Float[np.ndarray, "step node 2"]:
+    """What the mean over a window changes of a displacement, as its root mean square over that window.
+
+    A point beside an interface tells nothing of how uncertain it is: therefore a mean over the points around it.
+    """
+    if window == 0.0:
+        return np.zeros_like(u)
+    mean, flat = window_average(grid, window, kernel), u.reshape(len(u), -1).T
+    # The weights of a quadratic fit are negative in places.
+    return np.sqrt(np.maximum(mean @ (mean @ flat - flat) ** 2, 0.0)).T.reshape(u.shape)
 
 
 def window_errors(
@@ -19,22 +38,39 @@ def window_errors(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(standard deviation of what is seen at every node about the mean over its window, level that it weighs as).
 
-    What that mean changes is read from the displacements themselves, as the root mean square over the window: a point
-    beside an interface tells nothing of how uncertain it is. The level is that of independent errors which weigh as
-    much as these, which steps share wholly, and subsets by the square of the share in which they overlap.
+    The level is that of independent errors which weigh as much as these, which steps share wholly, and subsets by the
+    square of the share in which they overlap.
 
     Args:
         u: measured displacement, known everywhere.
         shared: whether errors count as shared.
     """
     (window, kernel), share = correlation_window(measurement), window_uncertainty(measurement)
-    if window == 0.0 or share == 0.0:
-        return np.zeros_like(u), np.zeros_like(u)
-    mean, flat = window_average(grid, window, kernel), u.reshape(len(u), -1).T
-    # The weights of a quadratic fit are negative in places.
-    changed = np.sqrt(np.maximum(mean @ (mean @ flat - flat) ** 2, 0.0))
-    error = share * changed.T.reshape(u.shape)
-    return error, error * (_weight(grid, window, len(u)) if shared else 1.0)
+    error = share * changed_by_window(grid, u, window, kernel)
+    return error, error * (_weight(grid, window, len(u)) if shared and window > 0.0 else 1.0)
+
+
+def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarray, " point"]) -> tuple[float, float]:
+    """(level of the noise, share of what the window changes), the likeliest for what a field leaves.
+
+    Residuals are normal, of variance level^2 + share^2 changed^2. How errors are shared does not change what is
+    likeliest, only how sure it is.
+
+    Args:
+        residuals: of displacements.
+        changed: what the window changes of them, in the same unit.
+    """
+    size = float(np.sqrt(np.mean(residuals**2)))
+    if not changed.any():
+        return size, 0.0
+
+    def unlikely(numbers):
+        variance = np.exp(2.0 * numbers[0]) + (numbers[1] * changed / size) ** 2
+        return float(np.mean(np.log(variance) + (residuals / size) ** 2 / variance))
+
+    bounds = [(-5.0, 1.0), (0.0, LARGEST_SHARE)]
+    level, share = minimize(unlikely, [0.0, FIRST_SHARE], bounds=bounds, method="L-BFGS-B").x
+    return size * float(np.exp(level)), float(share)
 
 
 def _weight(grid: Mesh, window: float, steps: int) -> float:
