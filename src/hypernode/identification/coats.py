@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 
 #: Share of a cell below which a layer of it is none.
-SMALLEST_SHARE = 1e-5
+SMALLEST_SHARE = 1e-8
 
 
 class Cut(NamedTuple):

@@ -29,8 +29,8 @@ NOISE_SHARED = 0.6
 NOISE_KNOWN = 1.1
 
 
-def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEstimate:
-    """The estimate of a candidate for all load steps.
+def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEstimate | None:
+    """The estimate of a candidate for all load steps; None where one of them has no equilibrium.
 
     What is left differs from step to step, and is noise; or it is the same in all, and is what the description misses,
     up to what finite elements are trusted with.
@@ -40,31 +40,36 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
         finds_window: whether the side of the window is sought.
     """
     every = list(range(len(kept.problem.observations.u)))
-    finds = finds_window and kept.fit.field.count > 1
-    # What is left of them all decides noise and window before numbers move again.
-    move, field, window = "all load steps", kept.fit.field, kept.fit.window
-    final = trials.descend(move, kept, kept.problem, field, kept.u, every, 0, window, finds) or kept
-    floor = _believed(trials, final, finds)
-    problem = trials.problem(final.terms, final.subcells, floor)
+    floor = _believed(trials, kept, finds_window and kept.fit.field.count > 1)
+    problem = trials.problem(kept.terms, kept.subcells, floor)
     descent = InterfaceFit(SeenTest(problem, every), settled=True)
-    field = final.fit.field.on(Lines.of(problem.observations.grid, problem.refinement))
-    fit = descent.descend(field, [final.u[k] for k in every], STEPS)
-    found = Candidate("the answer", final, problem, final.fit if fit is None else fit, final.u)
-    return _estimate(trials, found, descent)
+    field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement))
+    fit = descent.descend(field, [_near(kept, k) for k in every], STEPS)
+    return None if fit is None else _estimate(trials, Candidate("all load steps", kept, problem, fit, kept.u), descent)
+
+
+def _near(kept: Candidate, step: int) -> np.ndarray:
+    """Displacement near equilibrium: of the closest step of its load case that was fitted, by its part of the load."""
+    observations, guess = kept.problem.observations, kept.u[step].copy()
+    t, case = observations.loading.t, observations.loading.load_case
+    closest = min((k for k in kept.fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
+    free = observations.boundaries[step].free
+    guess.ravel()[free] = t[step] / t[closest] * kept.u[closest].ravel()[free]
+    return guess
 
 
 def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     """What finite elements miss, once the trials believe the noise and the window that are left."""
     left, observations, sigma = final.fit.left, final.problem.observations, final.problem.sigma
-    step, measurement = SeenTest(final.problem, []).step, trials.measurement
+    step, measurement, steps = SeenTest(final.problem, []).step, trials.measurement, final.fit.steps
     side, kernel = correlation_window(measurement)
     side, error = (final.fit.window * step, final.fit.window_error * step) if finds_window else (side, 0.0)
-    changed = changed_by_window(observations.grid, observations.u, side, kernel)
+    changed = changed_by_window(observations.grid, observations.u[steps], side, kernel)
+    boundaries = [observations.boundaries[k] for k in steps]
     residuals = [
-        sigma * b.relative * white[: len(b.seen)]
-        for white, b in zip(final.fit.white, observations.boundaries, strict=True)
+        sigma * b.relative * white[: len(b.seen)] for white, b in zip(final.fit.white, boundaries, strict=True)
     ]
-    near = [each.ravel()[b.observed] for each, b in zip(changed, observations.boundaries, strict=True)]
+    near = [each.ravel()[b.observed] for each, b in zip(changed, boundaries, strict=True)]
     level, texture = told_errors(np.concatenate(residuals), np.concatenate(near))
     level = level / displacement_noise(measurement) * left.level / final.fit.misfit
     floor = 0.0

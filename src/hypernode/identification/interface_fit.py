@@ -34,6 +34,7 @@ class Fit:
 
     Attributes:
         field: materials and lines.
+        steps: numbers of the load steps that count.
         states: equilibrium of every step.
         white: residuals over the believed noise, free of what edges share, by step.
         left: what displacements leave.
@@ -48,6 +49,7 @@ class Fit:
     """
 
     field: Interfaces
+    steps: list[int]
     states: list
     white: list[np.ndarray]
     left: Left
@@ -104,6 +106,7 @@ class InterfaceFit:
         self._strategy = test.problem.strategy
         self._window_error, self._measures = 0.0, move_lines and not settled
         self._model: _Model | None = None
+        self._latest: _Model | None = None
 
     def near(self, field: Interfaces) -> list:
         """Nodes of which each line's distance is a number."""
@@ -123,13 +126,13 @@ class InterfaceFit:
         if (states := test.states(field, guesses)) is None:
             return None
         history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
-        self._model = None
+        self._model = self._latest = None
         for number in range(iterations):
             if self._measures and number in MEASURED:
                 anew = field.measured_anew(FEWEST)
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
-                self._model = None
+                self._model = self._latest = None
             sigma = test.sigma_of(states, sigma)
             history.append(test.left(states))
             fresh = self._model is None
@@ -174,7 +177,7 @@ class InterfaceFit:
         """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
         test, fresh = self.test, self._model is None
         model = self._followed(field, states, sigma) if fresh else self._model
-        numbers, self._model = self._numbers(field, model.near), None
+        numbers, self._model, self._latest = self._numbers(field, model.near), None, model
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         before = 0.5 * shared.squared(residuals) + numbers.prior(numbers.y)
         jacobians = model.over(sigma, [len(b.seen) for b in test.boundaries])
@@ -205,22 +208,23 @@ class InterfaceFit:
         return None, before, promised[0]
 
     def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
-        test, numbers = self.test, InterfaceFit(self.test, False, self._moves)._numbers(field)
-        shared, residuals = test.shared(states, test.sigma, anew=True), test.residuals(states, test.sigma)
+        test = self.test
+        model = self._latest or self._followed(field, states, test.sigma)
+        numbers = numbers_of(test.problem, field, model.near, None)
+        shared, residuals = test.shared(states, test.sigma, anew=self._measures), test.residuals(states, test.sigma)
         white, total = shared.white(residuals), shared.squared(residuals)
         # Lines that stay have their bends all the same.
-        prior = (every := InterfaceFit(self.test)._numbers(field)).prior(every.y)
+        prior = (every := InterfaceFit(test)._numbers(field)).prior(every.y)
         of_u = test.of_displacements(white)
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
-        observed = [boundary.observed for boundary in test.boundaries]
-        left = left_of(test.problem.observations.grid, observed, of_u, 0.0)
-        jacobians = test.answers(states, test.loads(field, states, numbers.near), test.sigma)
-        determined, of_materials = self._determined(field, numbers, shared, jacobians, residuals, left)
+        grid, observed = test.problem.observations.grid, [boundary.observed for boundary in test.boundaries]
+        determined, of_materials = self._determined(numbers, model, shared, left_of(grid, observed, of_u, 0.0))
         return Fit(
             field,
+            test.steps,
             states,
             white,
-            left_of(test.problem.observations.grid, observed, of_u, determined),
+            left_of(grid, observed, of_u, determined),
             _mean(np.concatenate(of_u)),
             _mean(of_f),
             total - sum(float(u @ u) for u in of_u),
@@ -234,22 +238,25 @@ class InterfaceFit:
             history,
         )
 
-    def _determined(self, field, numbers: Numbers, shared, jacobians, residuals, left: Left):
+    def _determined(self, numbers: Numbers, model: _Model, shared, left: Left):
         """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""
-        looser = max(left.level * float(np.sqrt(left.inflation)), 1.0)
-        for J, u in zip(jacobians, self.test.of_displacements(residuals), strict=True):
-            J[: len(u)] /= looser
-        shared = dataclasses.replace(shared, sigma=shared.sigma * looser)
-        curvature, _ = shared.normal(jacobians, [np.zeros(len(r)) for r in residuals])
-        held = numbers.held.toarray()
-        held[np.diag_indices_from(held)] += np.where(np.arange(len(held)) < field.materials.size, 0.0, numbers.floor)
+        sigma, count = shared.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0), len(numbers.y)
+        jacobians = [J[:, :count] for J in model.over(sigma, [len(b.seen) for b in self.test.boundaries])]
+        curvature, _ = dataclasses.replace(shared, sigma=sigma).normal(jacobians, [np.zeros(len(J)) for J in jacobians])
+        of_law, held = self._of_materials(numbers), numbers.held.toarray()
+        held[np.diag_indices_from(held)] += np.where(of_law, 0.0, numbers.floor)
 
         def of(some):
             own = np.ix_(some, some)
             return float(np.trace(np.linalg.solve((curvature + held)[own], curvature[own]))) if len(some) else 0.0
 
-        going = np.flatnonzero(numbers.y > numbers.lowest)
-        return of(going), of(going[going < field.materials.size])
+        going = numbers.y > numbers.lowest
+        return of(np.flatnonzero(going)), of(np.flatnonzero(going & of_law))
+
+    @staticmethod
+    def _of_materials(numbers: Numbers):
+        """Which numbers are parameters of materials."""
+        return np.arange(len(numbers.y)) < len(numbers.y) - sum(len(nodes) for nodes in numbers.near)
 
 
 def _mean(values) -> float:

@@ -19,6 +19,7 @@ from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.partition import cut_into
+from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
@@ -131,7 +132,7 @@ class Search:
         """Materials that are as stiff as one another as one, as long as two do not explain more."""
         trials = self._trials
         while kept.fit.field.count > 2:
-            level, _ = kept.problem.stiffness(kept.fit.field.materials)
+            level = _stiffness(kept.problem, kept.fit.field.materials)
             apart, one, other = min((abs(level[i] - level[j]), i, j) for i in range(len(level)) for j in range(i))
             if apart > ALIKE:
                 break
@@ -239,5 +240,13 @@ def _translated(found: Candidate, problem: FieldProblem) -> np.ndarray:
     for k, name in enumerate(names):
         if name in old:
             materials[:, k] = before[:, old.index(name)]
-    materials[:, 0] += found.problem.stiffness(before)[0] - problem.stiffness(materials)[0]
+    materials[:, 0] += _stiffness(found.problem, before) - _stiffness(problem, materials)
     return materials
+
+
+def _stiffness(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
+    """Logarithm of the stress of each material under the mean deformation of the sheet."""
+    F, scale = problem.observations.mean_F, problem.observations.loading.scale
+    count, steps = len(materials), F.shape[2]
+    P, _ = Points(problem.basis).stress(np.tile(F, count), np.repeat(materials.T, steps, axis=1))
+    return 0.5 * np.log(((P.reshape(2, 2, count, steps) / scale) ** 2).sum(axis=(0, 1, 3)))
