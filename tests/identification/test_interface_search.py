@@ -122,16 +122,16 @@ def test_the_jacobian_is_the_derivative_of_the_equilibrium():
     test = SeenTest(problem, [1])
     u = problem.equilibrium.extension(np.zeros((len(problem.mesh.cells), 2)))
     states = test.states(field, [u[1]])
-    near = field.near(1.3)
-    (J,) = test.answers(states, test.loads(field, states, near), problem.sigma)
-    y, step = field.numbers(near), 1e-5
+    moves = field.moves(1.3)
+    (J,) = test.answers(states, test.loads(field, states, moves), problem.sigma)
+    y, step = field.numbers(moves), 1e-5
     chosen = [*range(4), *(4 + np.argsort(-np.abs(J[:, 4:]).max(axis=0))[:3])]
     for number in chosen:
         moved = []
         for sign in (1.0, -1.0):
             changed = y.copy()
             changed[number] += sign * step
-            reached = test.states(field.at(changed, near), [states[0][0]])
+            reached = test.states(field.at(changed, moves), [states[0][0]])
             moved.append(test.residuals(reached, problem.sigma)[0])
         difference = (moved[0] - moved[1]) / (2.0 * step)
         # Normals of cut cells follow the line too, which the derivative by distances leaves out.

@@ -57,11 +57,11 @@ def test_forces_change_with_every_number_as_their_derivative_says(subcells):
     mesh = field.lines.fine.mesh
     u = 0.1 * mesh.nodes + 0.01 * np.random.default_rng(3).normal(size=mesh.nodes.shape)
     of, _ = field.cells()
-    near = field.near(1.3)
+    moves = field.moves(1.3)
     response = Sheet(mesh, POINTS, np.ones(len(of.one))).response(u, of, True)[2]
-    found, y, h = field.loads(response, near).toarray(), field.numbers(near), 1e-6
+    found, y, h = field.loads(response, moves).toarray(), field.numbers(moves), 1e-6
     for number, unit in enumerate(np.eye(len(y))):
-        more, less = (forces(field.at(y + sign * h * unit, near), u) for sign in (1.0, -1.0))
+        more, less = (forces(field.at(y + sign * h * unit, moves), u) for sign in (1.0, -1.0))
         np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
 
 
@@ -85,7 +85,7 @@ def test_two_coats_as_one_cover_what_both_did():
 
 def test_numbers_of_a_field_give_it_back():
     field = coats(X - 3.2, Y - 6.1)
-    near = field.near(1.3)
-    again = field.at(field.numbers(near), near)
+    moves = field.moves(1.3)
+    again = field.at(field.numbers(moves), moves)
     np.testing.assert_array_equal(again.distances, field.distances)
     np.testing.assert_array_equal(again.materials, field.materials)

@@ -120,6 +120,36 @@ class ContourLines:
         far, _ = cKDTree(np.concatenate(points)).query(np.stack(self._place, axis=1))
         return signs * far
 
+    def along(self, distance: Float[np.ndarray, " node"], reach: float) -> scipy.sparse.csr_matrix:
+        """How distances follow when points of the line move along its normal (node, point of the line).
+
+        Points stand about a side of a cell apart. Between them, what moves is linear along the line. A node follows
+        the place of the line that is nearest to it.
+
+        Args:
+            reach: nodes farther than that from the line do not follow.
+        """
+        places, numbers, shares, count = [], [], [], 0
+        for line in find_contours(self._on_grid(distance), 0.0):
+            arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+            pieces, closed = max(round(arc[-1]), 1), np.array_equal(line[0], line[-1])
+            own = pieces if closed else pieces + 1
+            at = np.linspace(0.0, arc[-1], POINTS * pieces, endpoint=False)
+            first = np.minimum((at / arc[-1] * pieces).astype(int), pieces - 1)
+            places.append(np.stack([np.interp(at, arc, axis) for axis in line.T], axis=1))
+            numbers.append(count + np.stack([first, (first + 1) % own], axis=1))
+            shares.append(at / arc[-1] * pieces - first)
+            count += own
+        near = np.flatnonzero(np.abs(distance) < reach)
+        if not places or not len(near):
+            return scipy.sparse.csr_matrix((len(distance), 0))
+        _, nearest = cKDTree(np.concatenate(places)).query(np.stack(self._place, axis=1)[near])
+        share, columns = np.concatenate(shares)[nearest], np.concatenate(numbers)[nearest]
+        values = np.stack([1.0 - share, share], axis=1)
+        entries = values.ravel(), (np.repeat(near, 2), columns.ravel())
+        found = scipy.sparse.csc_matrix(entries, (len(distance), count))
+        return found[:, np.flatnonzero(np.diff(found.indptr))].tocsr()
+
     def length(self, distance: Float[np.ndarray, " node"]) -> float:
         """Length of the line."""
         lines = self.mesh.lines

@@ -86,8 +86,8 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
 
 def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> InterfaceEstimate:
     fit, problem, test = found.fit, found.problem, descent.test
-    near, materials = descent.near(fit.field), fit.field.materials
-    count = len(fit.field.numbers(near))
+    moves, materials = descent.moves(fit.field), fit.field.materials
+    count = len(fit.field.numbers(moves))
     unknown = np.where(np.arange(count) < materials.size, 0.0, HELD)
     going = np.ones(count, bool)
     going[: materials.size] = (materials > problem.basis.lowest).ravel()
@@ -99,7 +99,7 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
     trial = Trial(found.move, start, found.terms, fit.field.count, misfits, score, str(fit.ending))
     return InterfaceEstimate(
         Objective(problem, None, 0.0, JumpCost(), np.zeros(count), np.zeros(count), trials.strategy),
-        test.jacobian(fit.field, fit.states, near),
+        test.jacobian(fit.field, fit.states, moves),
         materials,
         [State(u, force, boundary.free) for (u, force, _), boundary in each],
         np.array([*fit.history, fit.misfit]),
@@ -109,10 +109,10 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         trial=trial,
         trace=trace.with_trial(trial),
         field=fit.field,
-        near=near,
+        moves=moves,
         going=going,
         # Where neither data nor bends say anything of a distance, it is known to some cells.
-        held=held_of(fit.field, near, trials.strategy.ridge) + scipy.sparse.diags(unknown),
+        held=held_of(fit.field, moves, trials.strategy.ridge) + scipy.sparse.diags(unknown),
         left=fit.left,
         scored=score,
     )

@@ -23,7 +23,7 @@ class InterfaceEstimate(Estimate):
 
     Attributes:
         field: the materials and the lines.
-        near: nodes of which each line's distance is a number of the field.
+        moves: how the distances from each line follow when its points move.
         going: which numbers the data may change: coefficients that are none stay none.
         held: inverse covariance of the numbers without data.
         left: what displacements leave.
@@ -31,7 +31,7 @@ class InterfaceEstimate(Estimate):
     """
 
     field: Interfaces = None
-    near: list = None
+    moves: list = None
     going: np.ndarray = None
     held: scipy.sparse.csr_matrix = None
     left: Left = None

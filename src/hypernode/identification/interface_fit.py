@@ -1,6 +1,6 @@
 """Materials and lines that explain a test best: damped Gauss-Newton steps of a few numbers.
 
-The numbers are the parameters of all materials and the distances of nodes near the lines. Where it is sought, the side
+The numbers are the parameters of all materials and the moves of points of the lines. Where it is sought, the side
 of the window through which a camera sees is one more. Far from the answer, what is left of the displacements weighs as
 their noise.
 """
@@ -8,6 +8,7 @@ their noise.
 import dataclasses
 
 import numpy as np
+import scipy.sparse
 
 from hypernode.identification.interface_noise import Left, left_of
 from hypernode.identification.interface_numbers import UNKNOWN, Numbers, numbers_of
@@ -71,12 +72,12 @@ class _Model:
     """Derivatives of the residuals where they were last followed.
 
     Attributes:
-        near: nodes of each line's distances among the numbers.
+        moves: how the distances from each line follow when its points move.
         sigma: by which residuals of displacements were divided.
         jacobians: by step (residual, number).
     """
 
-    near: list
+    moves: list
     sigma: float
     jacobians: list[np.ndarray]
 
@@ -108,13 +109,15 @@ class InterfaceFit:
         self._model: _Model | None = None
         self._latest: _Model | None = None
 
-    def near(self, field: Interfaces) -> list:
-        """Nodes of which each line's distance is a number."""
-        return field.near(REACH) if self._moves else [np.zeros(0, int) for _ in field.distances]
+    def moves(self, field: Interfaces) -> list:
+        """How the distances from each line follow when its points move."""
+        if self._moves:
+            return field.moves(REACH)
+        return [scipy.sparse.csr_matrix((len(distance), 0)) for distance in field.distances]
 
-    def _numbers(self, field: Interfaces, near=None) -> Numbers:
+    def _numbers(self, field: Interfaces, moves=None) -> Numbers:
         window = self.test.window if self._finds else None
-        return numbers_of(self.test.problem, field, self.near(field) if near is None else near, window)
+        return numbers_of(self.test.problem, field, self.moves(field) if moves is None else moves, window)
 
     def descend(self, field: Interfaces, guesses, iterations: int) -> Fit | None:
         """Where a descent ends; None without equilibrium.
@@ -158,32 +161,32 @@ class InterfaceFit:
         numbers, shared = self._numbers(field), self.test.shared(states, sigma)
         residuals = self.test.residuals(states, sigma)
         curvature, gradient = shared.normal(
-            self.test.answers(states, self.test.loads(field, states, numbers.near), sigma), residuals
+            self.test.answers(states, self.test.loads(field, states, numbers.moves), sigma), residuals
         )
-        curvature, gradient = curvature + numbers.held.toarray(), gradient + numbers.held @ (numbers.y - numbers.centre)
+        curvature, gradient = curvature + numbers.held.toarray(), gradient + numbers.slope(numbers.y)
         _, gain, _ = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, self._strategy)
         return 0.5 * shared.squared(residuals) + numbers.prior(numbers.y) - gain
 
     def _followed(self, field: Interfaces, states, sigma: float) -> _Model:
         """Derivatives at a field."""
-        near, test = self.near(field), self.test
-        jacobians = test.answers(states, test.loads(field, states, near), sigma)
+        moves, test = self.moves(field), self.test
+        jacobians = test.answers(states, test.loads(field, states, moves), sigma)
         if self._finds:
             columns = test.by_window(states, sigma)
             jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
-        return _Model(near, sigma, jacobians)
+        return _Model(moves, sigma, jacobians)
 
     def _step(self, field: Interfaces, states, sigma: float):
         """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
         test, fresh = self.test, self._model is None
         model = self._followed(field, states, sigma) if fresh else self._model
-        numbers, self._model, self._latest = self._numbers(field, model.near), None, model
+        numbers, self._model, self._latest = self._numbers(field, model.moves), None, model
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         before = 0.5 * shared.squared(residuals) + numbers.prior(numbers.y)
         jacobians = model.over(sigma, [len(b.seen) for b in test.boundaries])
         curvature, gradient = shared.normal(jacobians, residuals)
         curvature = curvature + numbers.held.toarray()
-        gradient = gradient + numbers.held @ (numbers.y - numbers.centre)
+        gradient = gradient + numbers.slope(numbers.y)
         if self._finds:
             covariance = np.linalg.inv(curvature + np.diag(UNKNOWN * numbers.floor))
             self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
@@ -192,7 +195,7 @@ class InterfaceFit:
             numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy
         ):
             promised.append(gain)
-            trial = field.at(changed[:count], numbers.near)
+            trial = field.at(changed[:count], numbers.moves)
             reached = test.states(trial, [u for u, _, _ in states])
             if reached is not None:
                 if self._finds:
@@ -210,7 +213,7 @@ class InterfaceFit:
     def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
         test = self.test
         model = self._latest or self._followed(field, states, test.sigma)
-        numbers = numbers_of(test.problem, field, model.near, None)
+        numbers = numbers_of(test.problem, field, model.moves, None)
         shared, residuals = test.shared(states, test.sigma, anew=self._measures), test.residuals(states, test.sigma)
         white, total = shared.white(residuals), shared.squared(residuals)
         # Lines that stay have their bends all the same.
@@ -256,7 +259,7 @@ class InterfaceFit:
     @staticmethod
     def _of_materials(numbers: Numbers):
         """Which numbers are parameters of materials."""
-        return np.arange(len(numbers.y)) < len(numbers.y) - sum(len(nodes) for nodes in numbers.near)
+        return np.arange(len(numbers.y)) < len(numbers.y) - sum(move.shape[1] for move in numbers.moves)
 
 
 def _mean(values) -> float:

@@ -19,60 +19,72 @@ UNKNOWN = 1e-6
 
 @dataclasses.dataclass(frozen=True)
 class Numbers:
-    """The numbers of a field, their prior and their bounds.
+    """The numbers of a field, what they cost without data, and their bounds.
 
     Attributes:
-        y: values.
-        near: nodes of each line's distances.
-        held, centre: inverse covariance and mean without data.
+        y: values; lines have moved by nothing.
+        moves: how the distances from each line follow when its points move.
+        held, pull, base: the cost without data is y^T held y / 2 - pull^T y + base.
         lowest: least values.
         floor: added to the curvature, for what data do not tell.
     """
 
     y: Float[np.ndarray, " number"]
-    near: list
+    moves: list[scipy.sparse.csr_matrix]
     held: scipy.sparse.csr_matrix
-    centre: Float[np.ndarray, " number"]
+    pull: Float[np.ndarray, " number"]
+    base: float
     lowest: Float[np.ndarray, " number"]
     floor: Float[np.ndarray, " number"]
 
     def prior(self, y) -> float:
         """What numbers cost without data."""
-        return 0.5 * float((y - self.centre) @ (self.held @ (y - self.centre)))
+        return 0.5 * float(y @ (self.held @ y)) - float(self.pull @ y) + self.base
+
+    def slope(self, y) -> Float[np.ndarray, " number"]:
+        """Derivative of :meth:`prior`."""
+        return self.held @ y - self.pull
 
 
-def held_of(field: Interfaces, near, ridge: float) -> scipy.sparse.csr_matrix:
-    """Inverse covariance of materials and distances without data.
+def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Float[np.ndarray, " bend"]]]:
+    """(how bends change with each number, the bends as they are) of every line, over how much lines usually bend."""
+    bends, found = field.lines.grid.bends, []
+    middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
+    for row, move in zip(field.distances, moves, strict=True):
+        inside = (np.diff(move.indptr) > 0).astype(float)
+        some = bends[np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT))] / BEND
+        found.append((some @ move, some @ row))
+    return found
+
+
+def held_of(field: Interfaces, moves, ridge: float) -> scipy.sparse.csr_matrix:
+    """Inverse covariance of materials and moves without data.
 
     Args:
-        near: nodes of which each line's distance is a number.
+        moves: how the distances from each line follow when its points move.
         ridge: inverse variance of a parameter of a material.
     """
-    bends = field.lines.grid.bends
-    blocks = [ridge * scipy.sparse.identity(field.materials.size)]
-    middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
-    for row, nodes in zip(field.distances, near, strict=True):
-        inside = np.zeros(len(row))
-        inside[nodes] = 1.0
-        rows = (whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT)
-        some = bends[np.flatnonzero(rows)][:, nodes] / BEND
-        blocks.append(some.T @ some)
+    of_lines = [change.T @ change for change, _ in bends_of(field, moves)]
+    blocks = [ridge * scipy.sparse.identity(field.materials.size), *of_lines]
     return scipy.sparse.block_diag(blocks, format="csr")
 
 
-def numbers_of(problem: FieldProblem, field: Interfaces, near, window: float | None) -> Numbers:
+def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | None) -> Numbers:
     """The numbers of a field, and the side of the window as the last where it is one."""
     strategy, law = problem.strategy, problem.basis
-    y, held = field.numbers(near), held_of(field, near, strategy.ridge)
+    y, held, bends = field.numbers(moves), held_of(field, moves, strategy.ridge), bends_of(field, moves)
     centre = np.zeros(len(law.names))
     centre[0] = problem.homogeneous.params[0]
+    centre = np.tile(centre, field.count)
+    pull = np.concatenate([strategy.ridge * centre, *(-(change.T @ bend) for change, bend in bends)])
+    base = 0.5 * strategy.ridge * float(centre @ centre) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
     extra = len(y) - field.materials.size
-    centre = np.concatenate([np.tile(centre, field.count), np.zeros(extra)])
     lowest = np.concatenate([np.tile(law.lowest, field.count), np.full(extra, -np.inf)])
     known = strategy.largest_step**-2.0
     floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, HELD)])
     if window is not None:
-        y, centre = np.append(y, window), np.append(centre, window)
+        y, pull = np.append(y, window), np.append(pull, UNKNOWN * window)
+        base += 0.5 * UNKNOWN * window**2
         held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
         lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
-    return Numbers(y, near, held, centre, lowest, floor)
+    return Numbers(y, moves, held, pull, base, lowest, floor)

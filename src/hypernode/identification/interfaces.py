@@ -91,12 +91,16 @@ class Interfaces:
             np.add.at(area, (rows, material), share)
         return area.argmax(axis=1)
 
-    def near(self, reach: float) -> list[Int[np.ndarray, " near"]]:
-        """Nodes of the grid of which each line's distance may change."""
-        return [np.flatnonzero(np.abs(distance) < reach) for distance in self.distances]
+    def moves(self, reach: float) -> list[scipy.sparse.csr_matrix]:
+        """How distances follow when points of each line move along its normal (node, point of the line).
 
-    def loads(self, response: CellResponse, near) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the materials, row by row, and by the distances of the near nodes."""
+        Args:
+            reach: distance in sides of cells within which they follow.
+        """
+        return [self.lines.grid.along(distance, reach) for distance in self.distances]
+
+    def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
+        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines."""
         of, cuts = self.cells()
         mesh, count = self.lines.fine.mesh, self.materials.shape[1]
         rows, columns, values = [], [], []
@@ -110,7 +114,7 @@ class Interfaces:
             values.append(each.ravel())
         entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         found = [scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.materials.size))]
-        for k, nodes in enumerate(near):
+        for k, move in enumerate(moves):
             own = np.flatnonzero((cuts.low == k) | (cuts.up == k))
             slopes, turns = self.lines.fine.slopes(self.lines.between @ self.distances[k], of.cell[own])
             by_weight = np.where(cuts.low == k, cuts.weight_by_low, cuts.weight_by_up)[own]
@@ -120,21 +124,21 @@ class Interfaces:
             rows = np.broadcast_to(mesh.dofs[of.cell[own]][:, :, None], each.shape).ravel()
             columns = np.broadcast_to(mesh.cells[of.cell[own]][:, None], each.shape).ravel()
             by_fine = scipy.sparse.csr_matrix((each.ravel(), (rows, columns)), (mesh.nodes.size, len(mesh.nodes)))
-            found.append(by_fine @ self.lines.between[:, nodes])
+            found.append(by_fine @ (self.lines.between @ move))
         return scipy.sparse.hstack(found, format="csr")
 
-    def at(self, y: Float[np.ndarray, " number"], near) -> "Interfaces":
-        """The same with other numbers, in the order of :meth:`loads`."""
+    def at(self, y: Float[np.ndarray, " number"], moves) -> "Interfaces":
+        """The same with other materials and moved lines, by numbers in the order of :meth:`loads`."""
         materials, rest = y[: self.materials.size].reshape(self.materials.shape), y[self.materials.size :]
-        distances = self.distances.copy()
-        ends = np.cumsum([0, *(len(nodes) for nodes in near)])
-        for k, nodes in enumerate(near):
-            distances[k, nodes] = rest[ends[k] : ends[k + 1]]
-        return dataclasses.replace(self, materials=materials, distances=distances)
+        each = np.split(rest, np.cumsum([move.shape[1] for move in moves])[:-1]) if moves else []
+        distances = [row + move @ by for row, move, by in zip(self.distances, moves, each, strict=True)]
+        return dataclasses.replace(
+            self, materials=materials, distances=np.array(distances).reshape(self.distances.shape)
+        )
 
-    def numbers(self, near) -> Float[np.ndarray, " number"]:
-        """The numbers that :meth:`at` takes."""
-        return np.concatenate([self.materials.ravel(), *(row[n] for row, n in zip(self.distances, near, strict=True))])
+    def numbers(self, moves) -> Float[np.ndarray, " number"]:
+        """The numbers that :meth:`at` takes, of lines where they are."""
+        return np.concatenate([self.materials.ravel(), *(np.zeros(move.shape[1]) for move in moves)])
 
     def measured_anew(self, fewest: int) -> "Interfaces":
         """The same lines, from which distances are measured anew; regions of fewer nodes are none."""

@@ -147,15 +147,15 @@ class SeenTest:
             found.append(J)
         return found
 
-    def loads(self, field: Interfaces, states, near) -> list[scipy.sparse.csr_matrix]:
+    def loads(self, field: Interfaces, states, moves) -> list[scipy.sparse.csr_matrix]:
         """Derivative of the nodal forces by the numbers of a field, by step."""
         of, _ = field.cells()
-        return [field.loads(self.sheet.response(u, of, True)[2], near) for u, _, _ in states]
+        return [field.loads(self.sheet.response(u, of, True)[2], moves) for u, _, _ in states]
 
-    def jacobian(self, field: Interfaces, states, near) -> Jacobian:
+    def jacobian(self, field: Interfaces, states, moves) -> Jacobian:
         """Derivatives by the numbers of a field as products, with what residuals share."""
         steps = []
-        for each, load in zip(self._of_steps(states), self.loads(field, states, near), strict=True):
+        for each, load in zip(self._of_steps(states), self.loads(field, states, moves), strict=True):
             (_, _, K), boundary, observe, forces = each
             directions = [(f.direction, f.sigma) for f in forces]
             steps.append(StepJacobian(K, load, boundary.free, observe / self.sigma, directions, boundary.errors))
