@@ -78,7 +78,7 @@ def test_a_good_run_passes_and_says_so_in_one_word(measurement):
 
 @pytest.mark.parametrize(("error", "level"), [(0.1, Level.PASSED), (0.5, Level.WARNED)])
 def test_a_window_that_a_field_had_to_find_is_said_and_a_warning_where_it_is_hardly_known(measurement, error, level):
-    field = constrained().assign_attrs(BelievedWindow(2.4, error).stored())
+    field = constrained().assign_attrs(BelievedWindow(2.4, error, 0.1).stored())
     found = criterion(judged(measurement.assign_attrs(units='{"length": "mm"}'), field), "window")
     assert found.level is level and f"2.4 +- {error} mm" in found.sentence
     assert "window" not in {each.name for each in judged(measurement).criteria}

@@ -120,19 +120,19 @@ class ContourLines:
         far, _ = cKDTree(np.concatenate(points)).query(np.stack(self._place, axis=1))
         return signs * far
 
-    def along(self, distance: Float[np.ndarray, " node"], reach: float) -> scipy.sparse.csr_matrix:
+    def along(self, distance: Float[np.ndarray, " node"], reach: float, apart: float) -> scipy.sparse.csr_matrix:
         """How distances follow when points of the line move along its normal (node, point of the line).
 
-        Points stand about a side of a cell apart. Between them, what moves is linear along the line. A node follows
-        the place of the line that is nearest to it.
+        Between points, what moves is linear along the line. A node follows the place of the line that is nearest to it.
 
         Args:
             reach: nodes farther than that from the line do not follow.
+            apart: distance between points, about.
         """
         places, numbers, shares, count = [], [], [], 0
         for line in find_contours(self._on_grid(distance), 0.0):
             arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-            pieces, closed = max(round(arc[-1]), 1), np.array_equal(line[0], line[-1])
+            pieces, closed = max(round(arc[-1] / apart), 1), np.array_equal(line[0], line[-1])
             own = pieces if closed else pieces + 1
             at = np.linspace(0.0, arc[-1], POINTS * pieces, endpoint=False)
             first = np.minimum((at / arc[-1] * pieces).astype(int), pieces - 1)

@@ -49,6 +49,11 @@ class Candidate:
         return self.level > 1.0 + BY_CHANCE * observations.noise_uncertainty
 
     @property
+    def misses_deformation(self) -> bool:
+        """Whether what it leaves is more than noise, and the same in all steps."""
+        return self.leaves_more_than_noise and self.fit.left.alike
+
+    @property
     def level(self) -> float:
         """What displacements leave, over what is believed of their noise."""
         return self.fit.left.level / self.problem.observations.scatter

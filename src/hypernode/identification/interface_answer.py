@@ -23,8 +23,6 @@ from hypernode.trace import Trial
 
 #: Steps of the last descent, which begins where the search ended.
 STEPS = 4
-#: Correlation of what different steps leave, up to which it is noise: a shared reference picture makes a half.
-NOISE_SHARED = 0.6
 #: Ratio of what is left to the believed noise beyond which that is told anew.
 NOISE_KNOWN = 1.1
 
@@ -43,7 +41,7 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     floor = _believed(trials, kept, finds_window and kept.fit.field.count > 1)
     problem = trials.problem(kept.terms, kept.subcells, floor)
     descent = InterfaceFit(SeenTest(problem, every), settled=True)
-    field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement))
+    field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, kept.fit.field.lines.apart))
     fit = descent.descend(field, [_near(kept, k) for k in every], STEPS)
     return None if fit is None else _estimate(trials, Candidate("all load steps", kept, problem, fit, kept.u), descent)
 
@@ -71,9 +69,9 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     ]
     near = [each.ravel()[b.observed] for each, b in zip(changed, boundaries, strict=True)]
     level, texture = told_errors(np.concatenate(residuals), np.concatenate(near))
-    level = level / displacement_noise(measurement) * left.level / final.fit.misfit
+    level = level / sigma * left.level / final.fit.misfit
     floor = 0.0
-    if level > NOISE_KNOWN and left.steps <= NOISE_SHARED:
+    if level > NOISE_KNOWN and displacement_noise(measurement) > 0.0 and not left.alike:
         believed = BelievedNoise.read(measurement.attrs)
         trials.believe(dataclasses.replace(believed, factor=believed.factor * level).of(measurement))
     elif level > NOISE_KNOWN:

@@ -8,6 +8,8 @@ from hypernode.fem.mesh import Mesh
 
 #: Distance in points up to which errors of neighbours are looked at: overlapping subsets share no more.
 REACH = 4
+#: Correlation of what different steps leave, up to which it is noise: a shared reference picture makes a half.
+NOISE_SHARED = 0.6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +29,11 @@ class Left:
     steps: float
     count: int
     number_of_steps: int
+
+    @property
+    def alike(self) -> bool:
+        """Whether steps leave so much of the same that it is no noise."""
+        return self.steps > NOISE_SHARED
 
     @property
     def inflation(self) -> float:

@@ -6,6 +6,8 @@ test than its numbers cost. Then come the terms of the law that the materials ha
 all load steps.
 """
 
+import dataclasses
+
 import numpy as np
 import xarray as xr
 
@@ -34,10 +36,14 @@ MOST = 4
 WINDOW, NO_WINDOW = 1.5, 0.5
 #: Rows and columns into which a cell is divided for the answer.
 FINER = 2
+#: Distance between points of a line, in sides of cells, where more than noise is left.
+CLOSER = 0.5
 #: Steps of a descent at most: of few materials, of finer elements, of a law alone.
 STEPS, FINER_STEPS, LAW_STEPS = 15, 8, 6
 #: How many of the terms that may join are tried, those first that promise most.
 TERMS_TRIED = 2
+#: How often materials are sought again on top of another law.
+ROUNDS = 2
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
 EVIDENCE = 3.0
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
@@ -88,30 +94,40 @@ class Search:
         params = problem.homogeneous.params
         u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
         field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
-        kept = trials.descend("one material", None, problem, field, u, self._steps, FINER_STEPS)
-        if kept is not None and kept.leaves_more_than_noise:
-            kept = self._parts(kept)
-        return None if kept is None else answer(trials, self._finer(self._merged(self._law(kept))), self._finds)
-
-    def _parts(self, one: Candidate) -> Candidate | None:
-        """As many materials as explain more than they cost; None where a field of cells explains far more."""
-        trials, problem = self._trials, one.problem
-        t, case = problem.observations.loading.t, problem.observations.loading.load_case
-        last = [k for k in self._steps if t[k] == t[case == case[k]].max()]
-        begun = one.fit.field.with_law(problem.homogeneous.params[None])
-        descent = StiffnessDescent(SeenTest(problem, last), begun, trials.settings.regulariser_weight)
-        stiffness = descent.end([one.u[k] for k in last])
-        if stiffness is None:
+        one = trials.descend("one material", None, problem, field, u, self._steps, FINER_STEPS)
+        kept = self._parts(one) if one is not None and one.leaves_more_than_noise else one
+        if kept is None:
             return None
-        say("constrained", trials.name, f"a factor of the stiffness in every cell: missed by {stiffness.misfit:.3g}")
-        u = {**one.u, **{k: state[0] for k, state in zip(last, stiffness.states, strict=True)}}
-        kept, window = one, WINDOW if self._finds else None
-        for count in range(2, MOST + 1):
-            field = cut_into(stiffness.factor, count, begun.lines, begun.materials[0])
+        kept = self._merged(self._law(kept))
+        finer = self._finer(kept)
+        for _ in range(ROUNDS):
+            more = self._parts(kept) if finer.misses_deformation else kept
+            if more is kept:
+                break
+            kept = self._merged(self._law(more))
+            finer = self._finer(kept)
+        return answer(trials, finer, self._finds)
+
+    def _parts(self, begun: Candidate) -> Candidate | None:
+        """As many materials more as explain more than they cost; None where a field of cells explains far more.
+
+        Where they are is told by what a factor of the stiffness in every cell explains, on top of what is known.
+        """
+        trials, problem, first = self._trials, begun.problem, begun.fit.field.count == 1
+        known = begun.fit.field.with_law(problem.homogeneous.params[None]) if begun.start is None else begun.fit.field
+        stiffness, u = self._factor_of_cells(begun, known)
+        if stiffness is None:
+            return None if first else begun
+        level = _stiffness(problem, known.materials)
+        kept, window = begun, WINDOW if self._finds and first else begun.fit.window
+        for count in range(known.count + 1, MOST + 1):
+            field = cut_into(level[known.labels()] + stiffness.factor, count, known, level)
             if field.count < count:
                 break
             move = f"{count} materials and lines"
-            found = trials.descend(move, one, problem, field, u, self._steps, STEPS, window, self._finds, settled=False)
+            found = trials.descend(
+                move, begun, problem, field, u, self._steps, STEPS, window, self._finds, settled=False
+            )
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -123,10 +139,22 @@ class Search:
             # A factor in every cell leaves what more materials might explain.
             if not kept.leaves_more_than_noise or kept.fit.misfit <= stiffness.misfit:
                 break
-        if kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
+        if first and kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
             say("constrained", trials.name, "few materials leave far more than a factor in every cell")
             return None
         return self._merged(kept)
+
+    def _factor_of_cells(self, begun: Candidate, known: Interfaces):
+        """(the factor in every cell beside what is known, None without equilibrium; displacements it leads to)."""
+        trials, loading = self._trials, begun.problem.observations.loading
+        last = [k for k in self._steps if loading.t[k] == loading.t[loading.load_case == loading.load_case[k]].max()]
+        window = begun.fit.window if self._finds else None
+        descent = StiffnessDescent(SeenTest(begun.problem, last, window), known, trials.settings.regulariser_weight)
+        stiffness = descent.end([begun.u[k] for k in last])
+        if stiffness is None:
+            return None, begun.u
+        say("constrained", trials.name, f"a factor of the stiffness in every cell: missed by {stiffness.misfit:.3g}")
+        return stiffness, {**begun.u, **{k: state[0] for k, state in zip(last, stiffness.states, strict=True)}}
 
     def _merged(self, kept: Candidate) -> Candidate:
         """Materials that are as stiff as one another as one, as long as two do not explain more."""
@@ -219,7 +247,16 @@ class Search:
         u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}
         move, window = "finer elements", window if self._finds else None
         found = trials.descend(move, coarse, problem, field, u, self._steps, FINER_STEPS, window, self._finds)
-        return coarse if found is None else found
+        if found is None:
+            return coarse
+        if found.misses_deformation:
+            closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=CLOSER))
+            move, window = "closer points of lines", found.fit.window
+            found = (
+                trials.descend(move, found, problem, closer, found.u, self._steps, FINER_STEPS, window, self._finds)
+                or found
+            )
+        return found
 
 
 def _largest_and_half(problem: FieldProblem) -> list[int]:

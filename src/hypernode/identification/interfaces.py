@@ -24,18 +24,20 @@ class Lines:
 
     Attributes:
         grid, fine: geometry of lines on both meshes.
+        apart: distance between points of a line that move, in sides of cells.
         between: bilinear interpolation of distances, which count in sides of cells (fine node, grid node).
     """
 
     grid: ContourLines
     fine: ContourLines
     between: scipy.sparse.csr_matrix
+    apart: float = 1.0
 
     @classmethod
-    def of(cls, grid: Mesh, refinement: Refinement) -> "Lines":
+    def of(cls, grid: Mesh, refinement: Refinement, apart: float = 1.0) -> "Lines":
         """On a measured grid and the mesh that divides it."""
         per_side = round(np.sqrt(refinement.subcells.shape[1]))
-        return cls(ContourLines(grid), ContourLines(refinement.mesh), per_side * refinement.interpolation)
+        return cls(ContourLines(grid), ContourLines(refinement.mesh), per_side * refinement.interpolation, apart)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Interfaces:
         Args:
             reach: distance in sides of cells within which they follow.
         """
-        return [self.lines.grid.along(distance, reach) for distance in self.distances]
+        return [self.lines.grid.along(distance, reach, self.lines.apart) for distance in self.distances]
 
     def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines."""

@@ -6,7 +6,7 @@ import scipy.sparse.csgraph
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
 
 #: Values that stand for all when levels are sought: their quantiles.
 QUANTILES = 600
@@ -58,19 +58,24 @@ def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FE
 
 
 def cut_into(
-    factor: Float[np.ndarray, " cell"], count: int, lines: Lines, material: Float[np.ndarray, " parameter"]
+    stiffness: Float[np.ndarray, " cell"], count: int, known: Interfaces, of_materials: Float[np.ndarray, " material"]
 ) -> Interfaces:
-    """Parts of about equal stiffness, the largest first, each of one material as much stiffer.
+    """Parts of about equal stiffness, the largest first.
+
+    Each is of the material that most of it was, made as stiff as it is.
 
     Args:
-        factor: logarithm of the stiffness over that of ``material``, by cell of the grid.
+        stiffness: logarithm of the stiffness, by cell of the grid.
         count: how many levels; what is left of them where small parts are none may be fewer.
+        known: the materials before, and their lines.
+        of_materials: logarithm of the stiffness of each of these.
     """
-    mesh, level = lines.grid.mesh, levels(factor, count)
-    labels = without_small(mesh, np.abs(factor[:, None] - level).argmin(axis=1))
+    lines, level, before = known.lines, levels(stiffness, count), known.labels()
+    labels = without_small(lines.grid.mesh, np.abs(stiffness[:, None] - level).argmin(axis=1))
     size = np.bincount(labels, minlength=count)
     order = [k for k in np.argsort(-size, kind="stable") if size[k]]
-    materials = np.tile(material, (len(order), 1))
-    materials[:, 0] += level[order]
+    was = [int(np.bincount(before[labels == k]).argmax()) for k in order]
+    materials = known.materials[was].copy()
+    materials[:, 0] += level[order] - of_materials[was]
     distances = [lines.grid.through((labels == k).astype(float)) for k in order[1:]]
-    return Interfaces(lines, materials, np.array(distances).reshape(len(order) - 1, len(mesh.nodes)))
+    return Interfaces(lines, materials, np.array(distances).reshape(len(order) - 1, len(lines.grid.mesh.nodes)))
