@@ -1,8 +1,16 @@
 """Tables, figures and explorers name all that they read, and a run names all that it leaves."""
 
-from hypernode.config.loading import check_config
+from pathlib import Path
+
+from hypernode.config.loading import check_config, load_config
 from hypernode.pipeline.dag import run_benchmarks, run_files, run_stages
-from hypernode.pipeline.shown import explored_runs, explorer_inputs, figure_inputs, table_inputs
+from hypernode.pipeline.shown import (
+    explored_runs,
+    explorer_inputs,
+    figure_inputs,
+    first_page_settings,
+    table_inputs,
+)
 from tests.pipeline.test_dag import config_with
 
 
@@ -81,3 +89,9 @@ def test_a_figure_reads_the_homogenised_material_and_the_deformation_of_the_run_
         "evaluation0": "results/a/longer/evaluation.nc",
     }
     assert figure_inputs(config, "breakdown")["run0"] == "results/a/m/homogenised.nc"
+
+
+def test_the_first_page_names_the_runs_whose_data_a_figure_of_pictures_shows():
+    config = load_config(Path(__file__).resolve().parents[2] / "config/pictures.yaml")
+    figures = first_page_settings(config, list(config.cases), [], {})["figures"]
+    assert figures["X_pyvale_pictures"] == ("pictures", ["X_pyvale/hypernode"])

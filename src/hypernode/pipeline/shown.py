@@ -154,7 +154,7 @@ def first_page_settings(config: Config, cases: list[str], files: list[str], rule
         rules: as of :func:`rules_by_topic`.
     """
     figures = {
-        name: (figure.kind, list(dict.fromkeys(f"{run.case}/{run.method}" for run in shown_runs(figure))))
+        name: (figure.kind, list(dict.fromkeys(run for shown in shown_runs(figure) for run in _names(config, shown))))
         for name, figure in figure_runs(config, cases).items()
     }
     return {
@@ -165,6 +165,12 @@ def first_page_settings(config: Config, cases: list[str], files: list[str], rule
         "explorers": ["/".join(run) for run in explored_runs(config, cases)],
         "rules": rules,
     }
+
+
+def _names(config: Config, shown) -> list[str]:
+    """``case/method`` of what a figure shows; of pictures, of every run that they are the data of."""
+    methods = [shown.method] if hasattr(shown, "method") else config.cases[shown.case].methods
+    return [f"{shown.case}/{method}" for method in methods]
 
 
 def _in_words(config: Config, name: str) -> str:
