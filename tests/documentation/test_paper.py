@@ -164,5 +164,5 @@ def test_a_table_is_rendered_from_a_run_and_names_what_was_not_run(tmp_path, con
     assert text.startswith("before") and "old" not in text
     assert "`ring_swept`, all 16" in text and "`X_published`: published_pretrained, published_muon" in text
     assert rendered(text, results, configurations.__getitem__) == text
-    with pytest.raises(ValueError, match="tables.timing"):
+    with pytest.raises(ValueError, match=r"tables\.timing"):
         rendered(page.replace("sweep of config/ablations", "timing of config/config"), results, configurations.get)
