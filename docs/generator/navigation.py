@@ -5,6 +5,7 @@ NAVIGATION = {
     "Begin": ("tutorial", "everything"),
     "How to": (
         *("how-to/add-a-case", "how-to/use-your-own-dic-data", "how-to/several-tests", "how-to/forces"),
+        "how-to/printed-sheet",
         *(
             "how-to/lost-points-holes-and-masks",
             "how-to/noise",

@@ -72,6 +72,7 @@ def evaluation(level: str = "pass", **attributes) -> xr.Dataset:
         | {
             "stretch": ("load_step", STRETCH),
             "principal_strain_measured": (("load_step", "cell"), cell(steps)),
+            "principal_strain_identified": (("load_step", "cell"), cell(steps)),
             "P_field": (("load_step", "cell", "i", "J"), rng.uniform(0.1, 1.0, (steps, cells, 2, 2))),
             "trace_P": ("cell", cell()),
             "shape": ("cell", _right_half().astype(int)),
@@ -111,9 +112,22 @@ _AT = ("_at_measured", "_at_identified")
 
 
 def measurement() -> xr.Dataset:
-    """The measured displacement of every node."""
+    """The measured displacement of every node, and the true deformation gradient of every cell."""
     u = 0.1 * _grid()["X"][1] * np.ones((1, len(STRETCH), 1, 1))
-    return xr.Dataset({"u_measured": (("repeat", "load_step", "node", "i"), u)})
+    F = np.broadcast_to(1.1 * np.eye(2), (len(STRETCH), N * N, 2, 2))
+    return xr.Dataset(
+        {
+            "u_measured": (("repeat", "load_step", "node", "i"), u),
+            "F_truth": (("load_step", "cell", "i", "J"), F),
+        }
+    )
+
+
+def field_used(amiss: float = 0.0) -> xr.Dataset:
+    """The deformation gradient of an interpolant whose F_xX is wrong by so much in the stiffer half."""
+    F = measurement()["F_truth"].values.copy()
+    F[:, _right_half(), 0, 0] += amiss
+    return xr.Dataset({"F_interpolated": (("load_step", "cell", "i", "J"), F)})
 
 
 def references() -> xr.Dataset:
@@ -172,13 +186,21 @@ def figure_input(kind: str, level: str) -> tuple[dict, dict]:
         settings = {"kind": kind, "runs": runs, "stretches": [1.05, 1.1], "load": "equibiaxial", "show": "stress"}
         data = {"run0": material(), "run1": material(1.5), "truth0": material(), "truth1": material()}
         return data | {"evaluation0": evaluation("pass"), "evaluation1": evaluation(level)}, settings
+    if kind == "deformation":
+        runs = [{"case": "half", "method": name, "label": name} for name in ("first", "second")]
+        data = {"evaluation0": evaluation("pass"), "evaluation1": evaluation(level)}
+        data |= {f"measurement{k}": measurement() for k in range(2)}
+        return data | {"field0": field_used(), "field1": field_used(0.02)}, {"kind": kind, "runs": runs, "step": -1}
     if kind == "detection":
         return {f"evaluation{k}": detected(k, level) for k in range(4)}, {"kind": kind, "runs": ["*"]}
     if kind == "pictures":
         return photographed(), {"kind": kind, "case": "half", "step": -1}
     more = {
         "identification": {"truth": material()},
-        "anisotropy": {"truth": material(), "material": material(1.2)},
+        "anisotropy": {
+            **{"truth": material(), "material": material(1.2)},
+            **{"measurement": measurement(), "field": field_used(0.01)},
+        },
         "overview": {"measurement": measurement()},
         "references": {"references": references()},
     }

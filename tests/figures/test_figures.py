@@ -9,6 +9,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 
 from hypernode.figures.comparison import ComparisonError
+from hypernode.figures.deformation import DeformationError
 from hypernode.figures.detection import DetectionError, wilson
 from hypernode.figures.render import LAYOUTS, compose
 from hypernode.figures.style import RC, colour_bar, draw_field, save, shared_norm, unit_label
@@ -159,6 +160,42 @@ def test_an_error_without_a_truth_is_refused_with_the_run_to_blame():
     del data["truth1"]
     with pytest.raises(ComparisonError, match="half/second has no known truth"):
         compose(data, settings | {"show": "error"})
+
+
+def test_measured_and_interpolated_deformation_gradient_share_their_colours():
+    figure = compose(*figure_input("anisotropy", "pass"))
+    measured, used = (field(panel(figure, letter)) for letter in "cd")
+    assert panel(figure, "d").get_title(loc="left") == "(d) interpolated $F_{xX}$"
+    assert measured.get_clim() == used.get_clim()
+    np.testing.assert_allclose(measured.get_array(), 1.1)
+    np.testing.assert_allclose(np.unique(used.get_array()), [1.1, 1.11])
+
+
+def test_true_and_identified_material_of_the_anisotropy_figure_share_their_colours():
+    figure = compose(*figure_input("anisotropy", "pass"))
+    scales = [field(panel(figure, letter)).get_clim() for letter in "af"]
+    assert scales[0] == scales[1]
+
+
+def test_a_figure_of_deformations_shows_displacement_strain_and_what_F_misses_on_scales_of_their_columns():
+    data, settings = figure_input("deformation", "pass")
+    panels = np.array(compose(data, settings).axes[:6]).reshape(2, 3)
+    displacement, strain, missed = (field(axes) for axes in panels[1])
+    u = 0.1 * np.linalg.norm(data["evaluation1"]["X"].values, axis=1)
+    np.testing.assert_allclose(displacement.get_array(), u[data["evaluation1"]["cells"].values].mean(axis=1))
+    assert np.array_equal(strain.get_array(), data["evaluation1"]["principal_strain_identified"].values[-1])
+    np.testing.assert_allclose(np.unique(missed.get_array().round(9)), [0.0, 0.02])
+    # Half of the cells are wrong by 0.02, of a gradient of norm 1.1 sqrt 2.
+    assert panels[1, 2].get_xlabel() == f"error 0.0141, SNR {20 * np.log10(1.1 * 2 / 0.02):.1f} dB"
+    for column in panels.T:
+        assert len({field(axes).get_clim() for axes in column}) == 1
+
+
+def test_a_deformation_that_is_not_known_is_refused_with_the_run_to_blame():
+    data, settings = figure_input("deformation", "pass")
+    data["measurement1"] = data["measurement1"].drop_vars("F_truth")
+    with pytest.raises(DeformationError, match="deformation of half is not known"):
+        compose(data, settings)
 
 
 def test_a_colour_bar_is_pointed_where_values_lie_beyond_it():

@@ -1,8 +1,16 @@
 """Tables, figures and explorers name all that they read, and a run names all that it leaves."""
 
-from hypernode.config.loading import check_config
+from pathlib import Path
+
+from hypernode.config.loading import check_config, load_config
 from hypernode.pipeline.dag import run_benchmarks, run_files, run_stages
-from hypernode.pipeline.shown import explored_runs, explorer_inputs, table_inputs
+from hypernode.pipeline.shown import (
+    explored_runs,
+    explorer_inputs,
+    figure_inputs,
+    first_page_settings,
+    table_inputs,
+)
 from tests.pipeline.test_dag import config_with
 
 
@@ -65,3 +73,25 @@ def test_an_explorer_reads_its_run_the_one_beside_it_and_sheets_of_its_phases():
     beside = {f"beside_{key}": file.replace("longer", "m") for key, file in own.items()}
     assert explorer_inputs(config, "a", "longer", ["a"]) == own | beside
     assert explorer_inputs(config, "a", "m", ["a"]) == {key.removeprefix("beside_"): f for key, f in beside.items()}
+
+
+def test_a_figure_reads_the_homogenised_material_and_the_deformation_of_the_run_that_computed_them():
+    raw = config_with(longer={"training": {"iterations": 9}}).model_dump()
+    row = {"case": "a", "method": "longer", "label": "longer"}
+    raw["figures"] = {
+        "data": {"kind": "deformation", "runs": [row]},
+        "breakdown": {"kind": "comparison", "stretches": [1.1], "runs": [row | {"stage": "homogenised"}]},
+    }
+    config = check_config(raw)
+    assert figure_inputs(config, "data") == {
+        "field0": "results/a/m/interpolant.nc",
+        "measurement0": "results/a/measurement.nc",
+        "evaluation0": "results/a/longer/evaluation.nc",
+    }
+    assert figure_inputs(config, "breakdown")["run0"] == "results/a/m/homogenised.nc"
+
+
+def test_the_first_page_names_the_runs_whose_data_a_figure_of_pictures_shows():
+    config = load_config(Path(__file__).resolve().parents[2] / "config/pictures.yaml")
+    figures = first_page_settings(config, list(config.cases), [], {})["figures"]
+    assert figures["X_pyvale_pictures"] == ("pictures", ["X_pyvale/hypernode"])

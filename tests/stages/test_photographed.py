@@ -163,7 +163,7 @@ def test_too_few_whole_subsets_are_refused(tmp_path):
 
 
 def pictures(folder, forward):
-    settings = {"size": [1.2, 1.0], "mm_per_pixel": 0.01, "speckle": {"seed": 2, "diameter": 4.0}}
+    settings = {"size": [1.2, 1.0], "thickness": None, "mm_per_pixel": 0.01, "speckle": {"seed": 2, "diameter": 4.0}}
     speckle.run(settings, "s", str(folder / "speckle.nc"), {})
     chosen = {"mm_per_pixel": 0.01, "pictures": {"margin": 10, "noise": 1.0}}
     photograph.run(chosen, "s", str(forward), str(folder / "speckle.nc"), str(folder / "pictures.nc"), {})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hypernode.config.geometries import Disc, Glyph, Gradient, Ring
+from hypernode.config.geometries import Disc, Glyph, Gradient, Ring, Stroke
 from hypernode.config.geometries import Image as ImageShape
 from hypernode.evaluation.shape import boundary_distance, dice, find_inclusion, registered_dice
 from hypernode.fem.mesh import rectilinear
@@ -22,6 +22,16 @@ def test_disc_and_ring_have_their_areas():
     assert abs(cells(Disc(shape="disc", radius=0.3)).mean() - np.pi * 0.09) < 0.01
     ring = cells(Ring(shape="ring", inner_radius=0.2, outer_radius=0.4))
     assert abs(ring.mean() - np.pi * 0.12) < 0.01
+
+
+def test_a_straight_stroke_has_round_ends_and_a_bent_one_passes_its_points():
+    straight = cells(Stroke(shape="stroke", points=[(0.2, 0.5), (0.8, 0.5)], width=0.2))
+    assert abs(straight.mean() - (0.6 * 0.2 + np.pi * 0.01)) < 0.01
+    points = [(0.2, 0.2), (0.5, 0.8), (0.8, 0.3)]
+    bent = make_shape(Stroke(shape="stroke", points=points, width=0.1))
+    assert bent(np.array(points)).all() and not bent(np.array([(0.5, 0.3), (0.5, 0.9)])).any()
+    rim = bent(np.array([(0.5, 0.8 + 0.049), (0.5, 0.8 + 0.06)]))
+    assert rim.tolist() == [1.0, 0.0]
 
 
 def test_the_counter_of_a_P_is_matrix():

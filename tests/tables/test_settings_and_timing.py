@@ -16,7 +16,7 @@ def settings(entries):
 def test_moduli_and_angles_have_their_units():
     entries = {"soft": {"model": "neo_hookean", "mu": 1.0}, "stiff": {"model": "goh", "k2": 0.5, "fibre_angle": 30.0}}
     assert rows_of(markdown_text(settings(entries))) == [
-        ["name", "model", "mu [Pa]", "k2", r"fibre\_angle [degree]"],
+        ["name", "model", "mu [Pa or MPa]", "k2", r"fibre\_angle [degree]"],
         ["soft", r"neo\_hookean", "1.0", "-", "-"],
         ["stiff", "goh", "-", "0.5", "30.0"],
     ]

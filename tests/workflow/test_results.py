@@ -27,7 +27,7 @@ def test_every_stage_leaves_its_file_and_figures_and_tables_exist(smoke):
     wanted |= {f"{c}/tiny_constrained/{s}.nc" for c in ("disc", "pierced", "seen") for s in constrained}
     wanted |= {f"disc/tiny_polished/{s}.nc" for s in constrained[-2:]}
     wanted |= {f"seen/{m}/{s}.nc" for m in ("homogeneous", "equilibrium_gap", "updating") for s in constrained[-2:]}
-    wanted |= {f"figures/{f}.{k}" for f in ("disc", "overview", "fibres", "several") for k in ("pdf", "png")}
+    wanted |= {f"figures/{f}.{k}" for f in ("disc", "overview", "fibres", "several", "data") for k in ("pdf", "png")}
     wanted |= {f"tables/{t}.{k}" for t in ("groups", "timing", "materials") for k in ("csv", "md", "tex")}
     wanted |= {f"{run}/explorer.html" for run in ("disc/tiny_constrained", "pierced/tiny_constrained", "seen/updating")}
     wanted |= {"figures/disc.pdf", "figures/disc.png", "tables/summary.csv", "tables/summary.md"}

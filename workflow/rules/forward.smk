@@ -28,6 +28,7 @@ rule true_material:
                 "hole",
                 "cells",
                 "size",
+                "thickness",
                 "spacing",
             ),
         ),
@@ -53,6 +54,8 @@ rule forward:
         runtime=runtime(CONFIG, "forward"),
     params:
         code=CODE["forward"],
-        settings=lambda w: slice_for(CONFIG, w.case, ("loads",), keys=("loads",)),
+        settings=lambda w: slice_for(
+            CONFIG, w.case, ("loads",), keys=("loads", "thickness")
+        ),
     script:
         "../scripts/forward.py"

@@ -165,7 +165,7 @@ def _figures(config, run: str) -> list[str]:
     return [
         f"results/figures/{name}.{kind}"
         for name, figure in config.figures.items()
-        if figure.kind not in ("comparison", "detection", "pictures") and f"{figure.case}/{figure.method}" == run
+        if hasattr(figure, "method") and f"{figure.case}/{figure.method}" == run
         for kind in ("pdf", "png")
     ]
 

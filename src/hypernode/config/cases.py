@@ -22,6 +22,9 @@ class Sheet(Section):
     """Finite elements along x and y; as many as in the paper."""
     size: tuple[Positive, Positive] = (1.0, 1.0)
     """Sides of the sheet along x and y, in the length unit of the test."""
+    thickness: Positive | None = None
+    """Thickness of a synthetic sheet in mm, whose moduli are in MPa and forces in N; left out, the thickness is 1 and
+    moduli are in Pa."""
     spacing: tuple[Positive, Positive] = (1.0, 1.0)
     """Ratio of the last to the first cell's side along x and y."""
     camera: Camera | None = None
@@ -66,6 +69,8 @@ class Case(Sheet):
             given = [key for key, value in synthetic.items() if value]
             if given or self.inclusion or self.noise or self.layers or self.camera or self.unseen_loads:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
+            if self.thickness:
+                raise ValueError("the thickness of a specimen is said under 'specimens', with its width and height")
         else:
             if self.references:
                 raise ValueError("references are for specimens: a synthetic case is compared with its truth")

@@ -74,7 +74,10 @@ def expanded(grid: Grid) -> dict[str, Case]:
     cases = {}
     for combination in itertools.product(*swept.values()):
         chosen = dict(zip(swept, combination, strict=True))
-        shared = {key: getattr(grid, key) for key in ("loads", "methods", "hole", "cells", "size", "spacing", "camera")}
+        shared = {
+            key: getattr(grid, key)
+            for key in ("loads", "methods", "hole", "cells", "size", "thickness", "spacing", "camera")
+        }
         try:
             name = grid.name.format(**chosen)
         except (KeyError, IndexError, AttributeError) as error:

@@ -63,6 +63,16 @@ class Ring(Section):
         return self
 
 
+class Stroke(Section):
+    """A line drawn by hand with a round pen, smooth through its points; with two it is straight."""
+
+    shape: Literal["stroke"]
+    points: list[Point] = Field(min_length=2)
+    """Where the pen passes, one after the other."""
+    width: Positive
+    """Width of the line."""
+
+
 class Image(Section):
     """The bright pixels of an image, stretched over the sheet, first row at the top; transparent ones never count."""
 
@@ -91,4 +101,4 @@ class Uniform(Section):
     shape: Literal["uniform"]
 
 
-Geometry = Annotated[Union[Glyph, Ellipse, Disc, Ring, Image, Gradient, Uniform], Field(discriminator="shape")]
+Geometry = Annotated[Union[Glyph, Ellipse, Disc, Ring, Stroke, Image, Gradient, Uniform], Field(discriminator="shape")]

@@ -29,10 +29,31 @@ class ShownRun(Section):
     """Case of the run."""
     method: str
     """Method of the run, one of its case."""
-    stage: Literal["constrained", "initialised", "pretrained", "material"] = "material"
+    stage: Literal["constrained", "homogenised", "initialised", "pretrained", "material"] = "material"
     """Stage whose field is drawn; the last one where it is left out."""
     label: str
     """Caption of the row."""
+
+
+class DeformedRun(Section):
+    """A row of a figure of deformations."""
+
+    case: str
+    """Synthetic case of the run, whose deformation is known."""
+    method: str
+    """Method of the run, one of its case."""
+    label: str
+    """Caption of the row."""
+
+
+class DeformationFigure(Section):
+    """A figure of the data of several runs: displacement, strain, and what the deformation gradient misses."""
+
+    kind: Literal["deformation"]
+    runs: list[DeformedRun] = Field(min_length=1)
+    """The rows, from the top."""
+    step: int = -1
+    """Load step drawn, from 0; -1 is the last."""
 
 
 class Comparison(Section):
@@ -78,7 +99,11 @@ class ExploredRun(Section):
     """Another method of the case, shown beside it."""
 
 
-Figure = Annotated[Union[RunFigure, Comparison, Detection, PicturesFigure], Field(discriminator="kind")]
+Figure = Annotated[
+    Union[RunFigure, Comparison, DeformationFigure, Detection, PicturesFigure], Field(discriminator="kind")
+]
+#: Kinds of figures that name several runs, one a row.
+KINDS_OF_ROWS = ("comparison", "deformation")
 
 
 class RunTable(Section):

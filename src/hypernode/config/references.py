@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from hypernode.config.model import Config
+from hypernode.config.outputs import KINDS_OF_ROWS
 from hypernode.tables.columns import COLUMNS
 
 #: Keys of a case, and of a layer, that name an entry of a section.
@@ -33,7 +34,7 @@ def unknown_references(config: Config, methods: list[str]) -> Iterator[Reference
         yield from _of_case(config, name, case, methods)
     for name, figure in config.figures.items():
         shown = [] if figure.kind == "detection" else [(("figures", name), figure)]
-        if figure.kind == "comparison":
+        if figure.kind in KINDS_OF_ROWS:
             shown = [(("figures", name, "runs", index), run) for index, run in enumerate(figure.runs)]
         for at, run in shown:
             if run.case not in config.cases:

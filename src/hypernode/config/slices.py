@@ -40,12 +40,14 @@ def slice_for(config: Config, name: str, sections, keys) -> dict:
 
 def pictures_for(config: Config, name: str, stage: str) -> dict:
     """What one stage of a photographed case uses: ``speckle``, ``photograph`` or ``correlate``."""
-    camera, size = config.cases[name].camera, config.cases[name].size
+    case = config.cases[name]
+    camera, size = case.camera, case.size
     if stage == "correlate":
         return in_fixed_order(camera.correlated.model_dump(mode="json"))
     pixel = {"mm_per_pixel": camera.pixel_size(size)}
     if stage == "speckle":
-        return in_fixed_order({**pixel, "size": size, "speckle": camera.pictures.speckle.model_dump(mode="json")})
+        sprayed = camera.pictures.speckle.model_dump(mode="json")
+        return in_fixed_order({**pixel, "size": size, "thickness": case.thickness, "speckle": sprayed})
     return in_fixed_order({**pixel, "pictures": camera.pictures.model_dump(mode="json", exclude={"speckle", "pixels"})})
 
 

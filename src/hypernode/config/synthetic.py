@@ -16,7 +16,8 @@ LoadKind = Literal[
 
 
 class Material(Section):
-    """A closed-form material: ``model`` and its parameters; moduli in Pa, fibre_angle in degrees."""
+    """A closed-form material: ``model`` and its parameters; fibre_angle in degrees, moduli in Pa, or in MPa of sheets
+    with a thickness."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     model: Literal[tuple(PARAMETERS)]

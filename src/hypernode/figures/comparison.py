@@ -6,10 +6,11 @@ import numpy as np
 from hypernode.errors import ExpectedError
 from hypernode.evaluation.probes import indicator
 from hypernode.figures.style import ERROR_MAP, FIELD_MAP, colour_bar, draw_field, indicator_label, shared_norm
-from hypernode.figures.trust import COLOURS, overall
+from hypernode.figures.trust import name_row, overall
 from hypernode.material.files import material_of
 from hypernode.storage.netcdf import units_of
 from hypernode.tables.columns import significant
+from hypernode.verdict import Level
 
 
 class ComparisonError(ExpectedError, ValueError):
@@ -30,7 +31,7 @@ def _rows(data, settings):
         X = file["X"].values[file["cells"].values].mean(axis=1)
         true = None if truth is None else [indicator(material_of(truth), X, kind, s) for s in stretches]
         if true and index == 0 and not errors:
-            rows.append(("truth", file, true, None, "pass"))
+            rows.append(("truth", file, true, None, Level.PASSED))
         found = [indicator(material_of(file), X, kind, s) for s in stretches]
         rows.append((run["label"], file, found, true, overall(data[f"evaluation{index}"])))
     return rows
@@ -70,8 +71,7 @@ def draw(data, settings: dict):
             if row == 0:
                 axes.set_title(f"stretch {stretch:g}")
             if column == 0:
-                colour = COLOURS.get(judged)
-                axes.set_ylabel(f"{title}\n({judged})" if colour else title, color=colour or "black")
+                name_row(axes, title, judged)
             if true is not None:
                 error = np.linalg.norm(found[column] - true[column]) / np.linalg.norm(true[column])
                 axes.set_xlabel(f"error {significant(100 * error)} %", fontsize=6.5)

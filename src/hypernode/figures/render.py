@@ -4,7 +4,16 @@ from collections.abc import Mapping
 
 import matplotlib.pyplot as plt
 
-from hypernode.figures import anisotropy, comparison, detection, identification, overview, pictures, references
+from hypernode.figures import (
+    anisotropy,
+    comparison,
+    deformation,
+    detection,
+    identification,
+    overview,
+    pictures,
+    references,
+)
 from hypernode.figures.style import RC, save
 from hypernode.figures.trust import run_verdict, runs_verdict, write_verdict
 from hypernode.storage.netcdf import read
@@ -13,6 +22,7 @@ from hypernode.storage.netcdf import read
 LAYOUTS = {
     "anisotropy": anisotropy,
     "comparison": comparison,
+    "deformation": deformation,
     "detection": detection,
     "identification": identification,
     "overview": overview,
@@ -21,7 +31,7 @@ LAYOUTS = {
 }
 
 #: Kinds of figures of several runs -> what they show of each.
-SEVERAL = {"comparison": "rows", "detection": "runs in this figure"}
+SEVERAL = {"comparison": "rows", "deformation": "rows", "detection": "runs in this figure"}
 #: Kinds of figures of a measurement, of which no verdict is known.
 MEASURED = ("pictures",)
 

@@ -133,6 +133,11 @@ def indicator_label(kind: str, units: dict[str, str]) -> str:
     return name + unit_label(units["stress"])
 
 
+def interpolated(field) -> bool:
+    """Whether the deformation gradient of an opened file is that of an interpolant."""
+    return "F_interpolated" in field
+
+
 def from_zero(axes) -> None:
     """Let an axis of forces begin at zero unless some are negative."""
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0 else 0.0)

@@ -39,6 +39,12 @@ def runs_verdict(evaluations, shown: str) -> tuple[Level, list[str]]:
     return worst, [f"{count(levels)}, of {len(levels)} {shown}."] if worst in COLOURS else []
 
 
+def name_row(axes, title: str, level: Level) -> None:
+    """Name a row of panels at its first one; a run that does not pass says so in the colour of its level."""
+    colour = COLOURS.get(level)
+    axes.set_ylabel(f"{title}\n({level})" if colour else title, color=colour or "black")
+
+
 def write_verdict(figure, level: Level, sentences: list[str]) -> None:
     """Write a verdict across the top of a figure; nothing is changed where it says nothing.
 

@@ -102,8 +102,16 @@ def parameter_field(file: xr.Dataset):
     return material, lambda X: network((jnp.asarray(X, jnp.float32) - lower) / length).T
 
 
+def _homogenised(file: xr.Dataset) -> Material:
+    params = jnp.asarray(file["node_params"].values, jnp.float32)[:, None]
+    return _of_nodes(file, node_material(file), lambda X: jnp.broadcast_to(params, (len(params), len(X))))
+
+
 def _node(file: xr.Dataset) -> Material:
-    material, params_at = parameter_field(file)
+    return _of_nodes(file, *parameter_field(file))
+
+
+def _of_nodes(file: xr.Dataset, material: NodeMaterial, params_at) -> Material:
     units = material.units_as_data
 
     def compiled_once(function):
@@ -120,7 +128,7 @@ def _node(file: xr.Dataset) -> Material:
     )
 
 
-_KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "node": _node}
+_KINDS = {"closed_form": _closed_form, "convex_basis": _convex_basis, "homogenised": _homogenised, "node": _node}
 
 
 def material_of(file: xr.Dataset) -> Material:

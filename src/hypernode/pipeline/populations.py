@@ -11,7 +11,20 @@ from hypernode.pipeline.resources import NEEDS, case_size
 #: What a sheet is made from.
 _SECTIONS, _KEYS = (
     ("geometries", "materials", "loads", "noise"),
-    ("geometry", "inclusion", "matrix", "hole", "cells", "size", "spacing", "loads", "noise", "camera", "methods"),
+    (
+        "geometry",
+        "inclusion",
+        "matrix",
+        "hole",
+        "cells",
+        "size",
+        "thickness",
+        "spacing",
+        "loads",
+        "noise",
+        "camera",
+        "methods",
+    ),
 )
 
 

@@ -6,7 +6,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 from hypernode.config.model import Config
-from hypernode.config.outputs import Figure
+from hypernode.config.outputs import KINDS_OF_ROWS, Figure
 from hypernode.pipeline.dag import field_inputs, run_benchmarks, stage_file
 from hypernode.pipeline.sources import reference_inputs, truth_input
 
@@ -20,7 +20,7 @@ def shown_runs(figure: Figure) -> list:
     """The runs that a figure names one by one, each with a ``case`` and, but for pictures, a ``method``."""
     if figure.kind == "detection":
         return []
-    return figure.runs if figure.kind == "comparison" else [figure]
+    return figure.runs if figure.kind in KINDS_OF_ROWS else [figure]
 
 
 def figure_runs(config: Config, cases: list[str]) -> dict[str, Figure]:
@@ -53,6 +53,13 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
             if not config.cases[run.case].specimen:
                 files[f"truth{index}"] = f"results/{run.case}/true_material.nc"
         return files
+    if figure.kind == "deformation":
+        files = {}
+        for index, run in enumerate(figure.runs):
+            named = field_inputs(config, run.case, run.method, "field", "measurement")
+            named["evaluation"] = f"results/{run.case}/{run.method}/evaluation.nc"
+            files |= {f"{key}{index}": file for key, file in named.items()}
+        return files
     if figure.kind == "pictures":
         return {key: f"results/{figure.case}/{key}.nc" for key in ("pictures", "correlated", "measurement")}
     folder = f"results/{figure.case}/{figure.method}"
@@ -60,6 +67,7 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
         return {"references": f"{folder}/references.nc", "evaluation": f"{folder}/evaluation.nc"}
     files = {"evaluation": f"{folder}/evaluation.nc", **truth_input(config, figure.case)}
     if figure.kind == "anisotropy":
+        files |= field_inputs(config, figure.case, figure.method, "field", "measurement")
         files["material"] = f"{folder}/material.nc"
     if figure.kind == "overview":
         files["measurement"] = f"results/{figure.case}/measurement.nc"
@@ -146,7 +154,7 @@ def first_page_settings(config: Config, cases: list[str], files: list[str], rule
         rules: as of :func:`rules_by_topic`.
     """
     figures = {
-        name: (figure.kind, list(dict.fromkeys(f"{run.case}/{run.method}" for run in shown_runs(figure))))
+        name: (figure.kind, list(dict.fromkeys(run for shown in shown_runs(figure) for run in _names(config, shown))))
         for name, figure in figure_runs(config, cases).items()
     }
     return {
@@ -157,6 +165,12 @@ def first_page_settings(config: Config, cases: list[str], files: list[str], rule
         "explorers": ["/".join(run) for run in explored_runs(config, cases)],
         "rules": rules,
     }
+
+
+def _names(config: Config, shown) -> list[str]:
+    """``case/method`` of what a figure shows; of pictures, of every run that they are the data of."""
+    methods = [shown.method] if hasattr(shown, "method") else config.cases[shown.case].methods
+    return [f"{shown.case}/{method}" for method in methods]
 
 
 def _in_words(config: Config, name: str) -> str:

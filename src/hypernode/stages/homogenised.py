@@ -4,6 +4,8 @@ import dataclasses
 import json
 from collections.abc import Mapping
 
+import numpy as np
+
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
 from hypernode.data.measurement import field_gradient, mesh_of
@@ -22,11 +24,14 @@ def run(method: Method, name: str, files: Mapping[str, str], output: str, attrib
     opened = {key: without_truth(read(path)) for key, path in files.items()}
     measurement, loading = opened["measurement"], Loading.of(opened["measurement"])
     terms = basis_field(opened["constrained"])[0].terms if "constrained" in opened else ()
-    F = field_gradient(opened["field"])
-    found = fit_homogenised(method, name, mesh_of(measurement), loading, F, terms)
+    F, mesh = field_gradient(opened["field"]), mesh_of(measurement)
+    found = fit_homogenised(method, name, mesh, loading, F, terms)
     write(
         output,
         {
+            "X": mesh.nodes,
+            "cells": mesh.cells,
+            "corners": np.stack([mesh.lower, mesh.upper]),
             "node_params": found.fit.params,
             "P_average": loading.P_average,
             "P_homogenised": found.P,
@@ -34,6 +39,11 @@ def run(method: Method, name: str, files: Mapping[str, str], output: str, attrib
             "loss_iteration": found.fit.iterations,
         },
         f"homogenised material of {name}",
-        {**attributes, "units": units_of(measurement), "node": json.dumps(dataclasses.asdict(found.node))},
+        {
+            **attributes,
+            "units": units_of(measurement),
+            "material_kind": "homogenised",
+            "node": json.dumps(dataclasses.asdict(found.node)),
+        },
         parents=list(files.values()),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hypernode.config.model import Config
-from hypernode.storage.netcdf import SYNTHETIC_UNITS, sha256, write
+from hypernode.storage.netcdf import sha256, sheet_units, write
 from hypernode.synthetic.geometry import make_shape
 from hypernode.synthetic.sheet import PHASES, cell_parameters, make_mesh, phase_shares
 
@@ -30,7 +30,7 @@ def run(config: Config, name: str, output: str, attributes: dict) -> None:
         f"true material of {name}",
         {
             **attributes,
-            "units": SYNTHETIC_UNITS,
+            "units": sheet_units(case.thickness),
             "raw_inputs": {path: sha256(path) for path in images},
             "material_kind": "closed_form",
             "models": models,

@@ -14,10 +14,15 @@ import xarray as xr
 from hypernode.storage.records import StorageError, check_digest, make_record, record_of, sha256
 from hypernode.storage.schema import SCHEMA_VERSION, VARIABLES
 
-#: Units of a synthetic test: a unit square of unit thickness.
+#: Units of a synthetic test of unit thickness.
 SYNTHETIC_UNITS = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
-#: Units of a real test.
+#: Units of a real test, and of a synthetic one with a thickness.
 EXPERIMENT_UNITS = {"length": "mm", "stress": "MPa", "force": "N", "energy": "MPa"}
+
+
+def sheet_units(thickness: float | None) -> dict[str, str]:
+    """Units of a synthetic sheet: those of a real one where it has a thickness [mm]."""
+    return EXPERIMENT_UNITS if thickness else SYNTHETIC_UNITS
 
 
 def check_schema(dataset: xr.Dataset, where: str = "dataset") -> None:
@@ -207,4 +212,4 @@ def units_of(dataset: xr.Dataset) -> dict[str, str]:
     return json.loads(dataset.attrs["units"])
 
 
-__all__ = ["EXPERIMENT_UNITS", "SYNTHETIC_UNITS", "StorageError", "read", "sha256", "units_of", "write"]
+__all__ = ["EXPERIMENT_UNITS", "SYNTHETIC_UNITS", "StorageError", "read", "sha256", "sheet_units", "units_of", "write"]

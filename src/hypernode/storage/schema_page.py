@@ -16,7 +16,7 @@ def page() -> str:
         "is a field of mixtures (cell) that explains the test as well where cells are layers.",
         "",
         "The units *length*, *stress*, *force* and *energy* are 1, Pa, Pa and Pa for synthetic tests of unit",
-        "thickness. For specimens they are mm, MPa, N and MPa.",
+        "thickness. For specimens, and for sheets with a thickness, they are mm, MPa, N and MPa.",
         "",
         "Global attributes name the version of this schema, the rule, its settings and the hash of its code. They",
         "also hold the versions of the packages, the flags of the compiler and the SHA-256 of the parents.",

@@ -6,8 +6,8 @@ from hypernode.tables.table import Table, make_frame
 
 LIKE, DIFFERENCES = "like", "but"
 NOTE = "Each entry is described by how it differs from the earlier one that is nearest to it."
-#: Setting -> its unit.
-UNITS = {key: "Pa" for key in ("mu", "K", "C10", "C01", "C20", "C30", "k1", "k1w")} | {"fibre_angle": "degree"}
+#: Setting -> its unit; moduli of sheets with a thickness are in MPa.
+UNITS = {key: "Pa or MPa" for key in ("mu", "K", "C10", "C01", "C20", "C30", "k1", "k1w")} | {"fibre_angle": "degree"}
 
 
 def settings_table(entries: dict[str, dict]) -> Table:
