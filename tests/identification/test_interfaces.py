@@ -65,6 +65,24 @@ def test_forces_change_with_every_number_as_their_derivative_says(subcells):
         np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
 
 
+@pytest.mark.parametrize("subcells", [1, 2])
+def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
+    field = coats(X - 4.6, subcells=subcells).changing(0.1 * np.arange(100.0) % 7)
+    mesh = field.lines.fine.mesh
+    u, moves = 0.1 * mesh.nodes, field.moves(1.3)
+    of, _ = field.cells()
+    response = Sheet(mesh, POINTS, np.ones(len(of.one))).response(u, of, True)[2]
+    found, y, h = field.loads(response, moves).toarray(), field.numbers(moves), 1e-6
+    for number, unit in enumerate(np.eye(len(y))):
+        more, less = (forces(field.at(y + sign * h * unit, moves), u) for sign in (1.0, -1.0))
+        np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
+
+
+def test_a_gradual_change_is_about_the_one_that_was_given():
+    wanted = 0.3 * np.sin(0.2 * GRID.nodes[GRID.cells].mean(axis=1)[:, 0])
+    assert np.abs(coats().changing(wanted).grid_factor() - wanted).max() < 0.1
+
+
 def test_nothing_jumps_where_a_line_leaves_a_cell_that_another_cuts():
     u = 0.1 * GRID.nodes + 0.01 * np.random.default_rng(3).normal(size=GRID.nodes.shape)
     for distance in (X - 5.0, Y - 5.0):

@@ -41,7 +41,7 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     floor = _believed(trials, kept, finds_window and kept.fit.field.count > 1)
     problem = trials.problem(kept.terms, kept.subcells, floor)
     descent = InterfaceFit(SeenTest(problem, every), settled=True)
-    field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, kept.fit.field.lines.apart))
+    field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, kept.fit.field.lines))
     fit = descent.descend(field, [_near(kept, k) for k in every], STEPS)
     return None if fit is None else _estimate(trials, Candidate("all load steps", kept, problem, fit, kept.u), descent)
 

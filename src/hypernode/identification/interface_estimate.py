@@ -49,8 +49,8 @@ class InterfaceEstimate(Estimate):
 
     @property
     def material_count(self) -> int:
-        """How many there are."""
-        return self.field.count
+        """How many there are; none where a property changes gradually."""
+        return 0 if len(self.field.gradual) else self.field.count
 
     @property
     def labels(self) -> Int[np.ndarray, " cell"]:
@@ -82,7 +82,9 @@ class InterfaceEstimate(Estimate):
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
         """Parameters of the material at the centre of every cell, one part a cell."""
-        return self.field.materials[self.labels].T[:, None]
+        params = self.field.materials[self.labels].T
+        params[0] += self.field.grid_factor()
+        return params[:, None]
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
         """Stress of a cell that a line cuts, of layers, less that of the material at its centre; zero elsewhere."""
@@ -116,6 +118,9 @@ class InterfaceEstimate(Estimate):
         materials = self.field.materials
         moved = self.understated * change[: materials.size].reshape(*materials.shape, count)
         samples = (materials[:, :, None] + moved)[self.labels]
+        if (splines := self.field.lines.splines) is not None:
+            gradual = change[len(change) - len(self.field.gradual) :]
+            samples[:, 0] += splines.grid @ (self.field.gradual[:, None] + self.understated * gradual)
         return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
 
     @functools.cached_property

@@ -246,7 +246,7 @@ class InterfaceFit:
         sigma, count = shared.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0), len(numbers.y)
         jacobians = [J[:, :count] for J in model.over(sigma, [len(b.seen) for b in self.test.boundaries])]
         curvature, _ = dataclasses.replace(shared, sigma=sigma).normal(jacobians, [np.zeros(len(J)) for J in jacobians])
-        of_law, held = self._of_materials(numbers), numbers.held.toarray()
+        of_law, held = np.arange(count) < numbers.of_materials, numbers.held.toarray()
         held[np.diag_indices_from(held)] += np.where(of_law, 0.0, numbers.floor)
 
         def of(some):
@@ -255,11 +255,6 @@ class InterfaceFit:
 
         going = numbers.y > numbers.lowest
         return of(np.flatnonzero(going)), of(np.flatnonzero(going & of_law))
-
-    @staticmethod
-    def _of_materials(numbers: Numbers):
-        """Which numbers are parameters of materials."""
-        return np.arange(len(numbers.y)) < len(numbers.y) - sum(move.shape[1] for move in numbers.moves)
 
 
 def _mean(values) -> float:

@@ -22,6 +22,7 @@ class Numbers:
     """The numbers of a field, what they cost without data, and their bounds.
 
     Attributes:
+        of_materials: how many are parameters of materials; they come first.
         y: values; lines have moved by nothing.
         moves: how the distances from each line follow when its points move.
         held, pull, base: the cost without data is y^T held y / 2 - pull^T y + base.
@@ -29,6 +30,7 @@ class Numbers:
         floor: added to the curvature, for what data do not tell.
     """
 
+    of_materials: int
     y: Float[np.ndarray, " number"]
     moves: list[scipy.sparse.csr_matrix]
     held: scipy.sparse.csr_matrix
@@ -66,6 +68,8 @@ def held_of(field: Interfaces, moves, ridge: float) -> scipy.sparse.csr_matrix:
     """
     of_lines = [change.T @ change for change, _ in bends_of(field, moves)]
     blocks = [ridge * scipy.sparse.identity(field.materials.size), *of_lines]
+    if field.lines.splines is not None:
+        blocks.append(field.lines.splines.held)
     return scipy.sparse.block_diag(blocks, format="csr")
 
 
@@ -77,6 +81,7 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
     centre[0] = problem.homogeneous.params[0]
     centre = np.tile(centre, field.count)
     pull = np.concatenate([strategy.ridge * centre, *(-(change.T @ bend) for change, bend in bends)])
+    pull = np.append(pull, np.zeros(len(y) - len(pull)))
     base = 0.5 * strategy.ridge * float(centre @ centre) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
     extra = len(y) - field.materials.size
     lowest = np.concatenate([np.tile(law.lowest, field.count), np.full(extra, -np.inf)])
@@ -87,4 +92,4 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
         base += 0.5 * UNKNOWN * window**2
         held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
         lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
-    return Numbers(y, moves, held, pull, base, lowest, floor)
+    return Numbers(field.materials.size, y, moves, held, pull, base, lowest, floor)

@@ -101,7 +101,7 @@ class Search:
         kept = self._merged(self._law(kept))
         finer = self._finer(kept)
         for _ in range(ROUNDS):
-            more = self._parts(kept) if finer.misses_deformation else kept
+            more = self._parts(kept) if finer.misses_deformation and not len(kept.fit.field.gradual) else kept
             if more is kept:
                 break
             kept = self._merged(self._law(more))
@@ -139,10 +139,25 @@ class Search:
             # A factor in every cell leaves what more materials might explain.
             if not kept.leaves_more_than_noise or kept.fit.misfit <= stiffness.misfit:
                 break
+        if first and (kept.leaves_more_than_noise or kept.fit.field.count > 2):
+            kept = self._gradual(begun, known.changing(stiffness.factor), u, kept)
         if first and kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
             say("constrained", trials.name, "few materials leave far more than a factor in every cell")
             return None
         return self._merged(kept)
+
+    def _gradual(self, begun: Candidate, field: Interfaces, u, kept: Candidate) -> Candidate:
+        """One material that changes gradually, where that explains more than the few materials that were kept."""
+        trials, move = self._trials, "a gradual change"
+        found = trials.descend(move, begun, begun.problem, field, u, self._steps, STEPS)
+        if found is None:
+            return kept
+        gain = found.gain_over(kept)
+        if gain > EVIDENCE:
+            trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change")
+            return found
+        trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
+        return kept
 
     def _factor_of_cells(self, begun: Candidate, known: Interfaces):
         """(the factor in every cell beside what is known, None without equilibrium; displacements it leads to)."""
@@ -243,7 +258,7 @@ class Search:
         trials, window = self._trials, coarse.fit.window
         self._finds = self._finds and window > NO_WINDOW
         problem = trials.problem(coarse.terms, FINER)
-        field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement))
+        field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, coarse.fit.field.lines))
         u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}
         move, window = "finer elements", window if self._finds else None
         found = trials.descend(move, coarse, problem, field, u, self._steps, FINER_STEPS, window, self._finds)

@@ -15,6 +15,7 @@ from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.coats import Cuts, laid, layers_of
+from hypernode.identification.gradual import Splines
 from hypernode.identification.sheet import CellMaterials, CellResponse
 
 
@@ -25,6 +26,7 @@ class Lines:
     Attributes:
         grid, fine: geometry of lines on both meshes.
         apart: distance between points of a line that move, in sides of cells.
+        splines: of what changes gradually; None where nothing does.
         between: bilinear interpolation of distances, which count in sides of cells (fine node, grid node).
     """
 
@@ -32,12 +34,17 @@ class Lines:
     fine: ContourLines
     between: scipy.sparse.csr_matrix
     apart: float = 1.0
+    splines: Splines | None = None
 
     @classmethod
-    def of(cls, grid: Mesh, refinement: Refinement, apart: float = 1.0) -> "Lines":
-        """On a measured grid and the mesh that divides it."""
+    def of(cls, grid: Mesh, refinement: Refinement, like: "Lines | None" = None) -> "Lines":
+        """On a measured grid and the mesh that divides it, as on other finite elements of that grid."""
         per_side = round(np.sqrt(refinement.subcells.shape[1]))
-        return cls(ContourLines(grid), ContourLines(refinement.mesh), per_side * refinement.interpolation, apart)
+        found = cls(ContourLines(grid), ContourLines(refinement.mesh), per_side * refinement.interpolation)
+        if like is None:
+            return found
+        splines = None if like.splines is None else Splines.of(grid, refinement.mesh)
+        return dataclasses.replace(found, apart=like.apart, splines=splines)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,11 +56,13 @@ class Interfaces:
         materials: parameters, in the order in which they are laid (material, parameter).
         distances: signed distance of every node of the grid from the line of each material but the first, positive
             where it is (line, node).
+        gradual: coefficients of the logarithm of a factor on all materials, none where nothing changes gradually.
     """
 
     lines: Lines
     materials: Float[np.ndarray, "material parameter"]
     distances: Float[np.ndarray, "line node"]
+    gradual: Float[np.ndarray, " spline"] = dataclasses.field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def homogeneous(cls, lines: Lines, params: Float[np.ndarray, " parameter"]) -> "Interfaces":
@@ -67,18 +76,29 @@ class Interfaces:
 
     def cells(self) -> tuple[CellMaterials, Cuts]:
         """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
-        return self._cells(self.lines.fine, [self.lines.between @ distance for distance in self.distances])
+        distances = [self.lines.between @ distance for distance in self.distances]
+        return self._cells(self.lines.fine, distances, self._factor("fine"))
 
     def grid_cells(self) -> CellMaterials:
         """What every cell of the measured grid is of."""
-        return self._cells(self.lines.grid, self.distances)[0]
+        return self._cells(self.lines.grid, self.distances, self._factor("grid"))[0]
 
-    def _cells(self, contours: ContourLines, distances):
+    def grid_factor(self) -> Float[np.ndarray, " cell"]:
+        """Logarithm of the factor of every cell of the measured grid."""
+        return np.log(self._factor("grid"))
+
+    def _factor(self, mesh: str) -> Float[np.ndarray, " cell"]:
+        splines = self.lines.splines
+        if splines is None:
+            return np.ones(len(getattr(self.lines, mesh).mesh.cells))
+        return np.exp(getattr(splines, mesh) @ self.gradual)
+
+    def _cells(self, contours: ContourLines, distances, factor):
         base, low, up = laid(contours, distances)
         cut = np.flatnonzero(up.line >= 0)
         once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
         pieces, cuts = layers_of(base, low, up, once, twice)
-        return CellMaterials(self.materials, base, *pieces), cuts
+        return CellMaterials(self.materials, base, *pieces, factor), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""
@@ -102,7 +122,7 @@ class Interfaces:
         return [self.lines.grid.along(distance, reach, self.lines.apart) for distance in self.distances]
 
     def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines."""
+        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
         of, cuts = self.cells()
         mesh, count = self.lines.fine.mesh, self.materials.shape[1]
         rows, columns, values = [], [], []
@@ -127,20 +147,24 @@ class Interfaces:
             columns = np.broadcast_to(mesh.cells[of.cell[own]][:, None], each.shape).ravel()
             by_fine = scipy.sparse.csr_matrix((each.ravel(), (rows, columns)), (mesh.nodes.size, len(mesh.nodes)))
             found.append(by_fine @ (self.lines.between @ move))
+        if self.lines.splines is not None:
+            entries = response.by_factor.ravel(), (mesh.dofs.ravel(), np.repeat(np.arange(len(mesh.cells)), 8))
+            by_cell = scipy.sparse.csr_matrix(entries, (mesh.nodes.size, len(mesh.cells)))
+            found.append(by_cell @ self.lines.splines.fine)
         return scipy.sparse.hstack(found, format="csr")
 
     def at(self, y: Float[np.ndarray, " number"], moves) -> "Interfaces":
         """The same with other materials and moved lines, by numbers in the order of :meth:`loads`."""
         materials, rest = y[: self.materials.size].reshape(self.materials.shape), y[self.materials.size :]
-        each = np.split(rest, np.cumsum([move.shape[1] for move in moves])[:-1]) if moves else []
+        *each, gradual = np.split(rest, np.cumsum([move.shape[1] for move in moves]))
         distances = [row + move @ by for row, move, by in zip(self.distances, moves, each, strict=True)]
-        return dataclasses.replace(
-            self, materials=materials, distances=np.array(distances).reshape(self.distances.shape)
-        )
+        distances = np.array(distances).reshape(self.distances.shape)
+        return dataclasses.replace(self, materials=materials, distances=distances, gradual=gradual)
 
     def numbers(self, moves) -> Float[np.ndarray, " number"]:
         """The numbers that :meth:`at` takes, of lines where they are."""
-        return np.concatenate([self.materials.ravel(), *(np.zeros(move.shape[1]) for move in moves)])
+        still = (np.zeros(move.shape[1]) for move in moves)
+        return np.concatenate([self.materials.ravel(), *still, self.gradual])
 
     def measured_anew(self, fewest: int) -> "Interfaces":
         """The same lines, from which distances are measured anew; regions of fewer nodes are none."""
@@ -162,6 +186,16 @@ class Interfaces:
     def on(self, lines: Lines) -> "Interfaces":
         """The same on other finite elements of the same grid."""
         return dataclasses.replace(self, lines=lines)
+
+    def changing(self, factor: Float[np.ndarray, " cell"]) -> "Interfaces":
+        """The same, on top of which a factor changes gradually, about as this one.
+
+        Args:
+            factor: its logarithm in every cell of the measured grid.
+        """
+        splines = Splines.of(self.lines.grid.mesh, self.lines.fine.mesh)
+        lines = dataclasses.replace(self.lines, splines=splines)
+        return dataclasses.replace(self, lines=lines, gradual=splines.fitted(factor))
 
     def with_law(self, materials: Float[np.ndarray, "material parameter"]) -> "Interfaces":
         """The same lines between other materials."""

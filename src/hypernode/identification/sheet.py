@@ -30,6 +30,7 @@ class CellMaterials:
         share: of the first (piece,).
         normal: of the plane between them, towards the first (piece, 2).
         weight: of the pair in its cell; those of a cell add up to one (piece,).
+        factor: by which each cell is stiffer than its materials (cell,).
     """
 
     materials: Float[np.ndarray, "material parameter"]
@@ -40,6 +41,7 @@ class CellMaterials:
     share: Float[np.ndarray, " piece"]
     normal: Float[np.ndarray, "piece 2"]
     weight: Float[np.ndarray, " piece"]
+    factor: Float[np.ndarray, " cell"]
 
     def layers(self, points: Points, F: Float[np.ndarray, "2 2 quad piece"], with_parameters: bool) -> LaminateStress:
         """What each pair of layers answers to the deformation of its cell [..., quad and piece]."""
@@ -64,6 +66,7 @@ class CellResponse:
         by_weight: by the weight of a pair (piece, 8).
         by_share: by the share of the first (piece, 8).
         by_normal: by the normal of the plane (piece, 8, 2).
+        by_factor: by the logarithm of the factor of each cell (cell, 8).
     """
 
     by_one: np.ndarray
@@ -72,6 +75,7 @@ class CellResponse:
     by_weight: np.ndarray
     by_share: np.ndarray
     by_normal: np.ndarray
+    by_factor: np.ndarray
 
 
 class Sheet:
@@ -115,10 +119,11 @@ class Sheet:
             layers = of.layers(self.points, F[..., of.cell], with_parameters)
             P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), shape[3])
             A = A * whole + of.mean(layers.by_F.reshape(2, 2, 2, 2, quads, -1), shape[3])
+        P, A = P * of.factor, A * of.factor
+        force = self._forces(P[:, :, None])[..., 0]
         if with_parameters:
             pieces = self._of_pieces(layers, of) if len(of.cell) else _no_pieces(D.shape[2])
-            cells = CellResponse(self._forces(D * whole), *pieces)
-        force = self._forces(P[:, :, None])[..., 0]
+            cells = CellResponse(self._forces(D * whole * of.factor), *pieces, force)
         # Forces follow from P by B, and F from u by B again.
         half = np.einsum("aJqc,iJkLqc->aikLqc", self._B, A * self._weight, optimize=True)
         K = np.einsum("aikLqc,bLqc->caibk", half, self._B, optimize=True).reshape(-1)
@@ -134,10 +139,10 @@ class Sheet:
 
     def _of_pieces(self, layers: LaminateStress, of: CellMaterials):
         """Everything of :class:`CellResponse` that pairs of layers have."""
-        found, quads = [], self._B.shape[2]
+        found, quads, factor = [], self._B.shape[2], of.factor[of.cell]
         each = layers.by_first, layers.by_second, layers.P[:, :, None], layers.by_share[:, :, None], layers.by_normal
-        for part, weight in zip(each, (of.weight, of.weight, 1.0, of.weight, of.weight), strict=True):
-            stress = part.reshape(*part.shape[:3], quads, -1) * weight
+        for part, weight in zip(each, (of.weight, of.weight, np.ones(len(of.cell)), of.weight, of.weight), strict=True):
+            stress = part.reshape(*part.shape[:3], quads, -1) * (weight * factor)
             found.append(self._forces(stress, of.cell))
         by_first, by_second, by_weight, by_share, by_normal = found
         return by_first, by_second, by_weight[..., 0], by_share[..., 0], by_normal
@@ -152,7 +157,7 @@ class Sheet:
             layers = of.layers(self.points, F[..., of.cell], False)
             whole = np.bincount(of.cell, minlength=count) == 0
             P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), count)
-        return self._forces(P[:, :, None])[..., 0]
+        return self._forces((P * of.factor)[:, :, None])[..., 0]
 
     def stiffer(self, factor: Float[np.ndarray, " cell"]) -> "Sheet":
         """The same, every cell stiffer by a factor."""

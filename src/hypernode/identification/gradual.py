@@ -1,0 +1,64 @@
+"""A property that changes gradually over a sheet: splines with a penalty on how they bend.
+
+The logarithm of a factor is a tensor product of cubic B-splines. Second differences of neighbouring coefficients cost
+their square (Eilers and Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11, 1996).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+from jaxtyping import Float
+from scipy.interpolate import BSpline
+
+from hypernode.fem.mesh import Mesh
+
+#: Cells of the measured grid between knots: what changes within fewer is no gradual change but a line.
+CELLS = 5
+#: Usual second difference of neighbouring coefficients, and their usual size.
+BEND, SIZE = 0.2, 2.0
+DEGREE = 3
+
+
+@dataclass(frozen=True)
+class Splines:
+    """Splines at the centres of cells.
+
+    Attributes:
+        fine, grid: values in the cells of the finite elements and of the measured grid, by coefficient (cell, spline).
+        held: inverse covariance of the coefficients without data (spline, spline).
+    """
+
+    fine: scipy.sparse.csr_matrix
+    grid: scipy.sparse.csr_matrix
+    held: scipy.sparse.csr_matrix
+
+    @classmethod
+    def of(cls, grid: Mesh, fine: Mesh) -> "Splines":
+        """On a measured grid and the mesh that divides it."""
+        counts = [max(round((len(line) - 1) / CELLS), 1) for line in grid.lines]
+        x, y = (scipy.sparse.identity(count + DEGREE) for count in counts)
+        across, up = (_second_differences(count + DEGREE) for count in counts)
+        bends = scipy.sparse.vstack([scipy.sparse.kron(y, across), scipy.sparse.kron(up, x)]) / BEND
+        held = bends.T @ bends + scipy.sparse.identity(bends.shape[1]) / SIZE**2
+        return cls(_values(fine, grid, counts), _values(grid, grid, counts), held.tocsr())
+
+    def fitted(self, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " spline"]:
+        """Coefficients whose values in the cells of the grid are about the given ones."""
+        return scipy.sparse.linalg.spsolve((self.grid.T @ self.grid + self.held).tocsc(), self.grid.T @ values)
+
+
+def _values(mesh: Mesh, grid: Mesh, counts) -> scipy.sparse.csr_matrix:
+    """Values of all splines at the centres of the cells of a mesh (cell, spline)."""
+    centres, found = mesh.nodes[mesh.cells].mean(axis=1), []
+    for axis, (line, count) in enumerate(zip(grid.lines, counts, strict=True)):
+        knots = np.linspace(line[0], line[-1], count + 1)
+        padded = np.concatenate([np.repeat(knots[0], DEGREE), knots, np.repeat(knots[-1], DEGREE)])
+        found.append(BSpline.design_matrix(centres[:, axis], padded, DEGREE).tocsr())
+    x, y = (each.toarray() for each in found)
+    return scipy.sparse.csr_matrix(np.einsum("cb,ca->cba", y, x).reshape(len(centres), -1))
+
+
+def _second_differences(count: int) -> scipy.sparse.csr_matrix:
+    return scipy.sparse.diags([1.0, -2.0, 1.0], [0, 1, 2], shape=(max(count - 2, 0), count), format="csr")
