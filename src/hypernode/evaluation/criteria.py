@@ -3,12 +3,14 @@
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import xarray as xr
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.level_budget import SHARE, LevelBudget
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
@@ -24,14 +26,17 @@ def judge_run(
     measurement: xr.Dataset,
     constrained: xr.Dataset | None = None,
     settings: Settings = SETTINGS,
+    budget: LevelBudget | None = None,
 ) -> Verdict:
     """The verdict on one run.
 
     Args:
         summary: numbers of its evaluation.
         measurement, constrained: opened files; no constrained field where the method has none.
+        budget: of the level of the stress; none where no force was recorded.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
+    uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
     explained = _displacements(summary, constrained, settings)
     return Verdict(
@@ -48,6 +53,7 @@ def judge_run(
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
             _spread(summary, settings),
+            _level(budget, settings),
             _inclusion(summary),
         )
     )
@@ -220,6 +226,21 @@ def _spread(summary, settings: Settings) -> Criterion:
         return not_judged(name, "There are no posterior samples.")
     words = "By posterior samples, and where interfaces cut cells, the stiffness is known to"
     return limited(name, words, summary["spread"], settings.spread)
+
+
+def _level(budget: LevelBudget | None, settings: Settings) -> Criterion:
+    name = "level"
+    if budget is None:
+        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
+    judged = limited(name, "The level of the stress is known to", budget.level, settings.level)
+    parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
+    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
+    if budget.seen < 1.0:
+        sentence += (
+            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
+            f"{percent(budget.of(SHARE).level)} open."
+        )
+    return replace(judged, sentence=sentence)
 
 
 def _inclusion(summary) -> Criterion:
