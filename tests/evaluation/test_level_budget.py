@@ -8,9 +8,8 @@ import pytest
 import xarray as xr
 
 from hypernode.data.seen_share import section_weights
-from hypernode.evaluation.criteria import _level
 from hypernode.evaluation.equilibrium import nodal_forces
-from hypernode.evaluation.level_budget import SHARE, level_budget, share_uncertainty, table
+from hypernode.evaluation.level_budget import SHARE, judge_level, level_budget, share_uncertainty, table
 from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import rectilinear
@@ -169,11 +168,11 @@ def test_a_verdict_says_what_the_share_costs():
     mesh = rectilinear(LINES, LINES)
     stiffer = 1.0 + 4.0 * (np.abs(mesh.centres[:, 0] - 0.3) < 0.1)
     stress = stiffer[None, :, None, None] * np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
-    said = _level(level_budget(measured(0.6, force_offset_uncertainty=0.001), stress), SETTINGS)
+    said = judge_level(level_budget(measured(0.6, force_offset_uncertainty=0.001), stress), SETTINGS.level)
     assert said.level is not Level.PASSED and "see 60 % of the width" in said.sentence
     assert said.sentence.index(SHARE) < said.sentence.index("relaxation") < said.sentence.index("gain")
 
 
 def test_a_level_that_is_a_convention_has_no_budget():
     assert level_budget(measured(0.6, forces="assumed"), np.zeros((2, CELLS**2, 2, 2))) is None
-    assert _level(None, SETTINGS).level is Level.NOT_JUDGED
+    assert judge_level(None, SETTINGS.level).level is Level.NOT_JUDGED

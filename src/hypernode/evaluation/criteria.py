@@ -3,14 +3,13 @@
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 
 import xarray as xr
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
-from hypernode.evaluation.level_budget import SHARE, LevelBudget
+from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
@@ -53,7 +52,7 @@ def judge_run(
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
             _spread(summary, settings),
-            _level(budget, settings),
+            judge_level(budget, settings.level),
             _inclusion(summary),
         )
     )
@@ -226,21 +225,6 @@ def _spread(summary, settings: Settings) -> Criterion:
         return not_judged(name, "There are no posterior samples.")
     words = "By posterior samples, and where interfaces cut cells, the stiffness is known to"
     return limited(name, words, summary["spread"], settings.spread)
-
-
-def _level(budget: LevelBudget | None, settings: Settings) -> Criterion:
-    name = "level"
-    if budget is None:
-        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
-    judged = limited(name, "The level of the stress is known to", budget.level, settings.level)
-    parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
-    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
-    if budget.seen < 1.0:
-        sentence += (
-            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
-            f"{percent(budget.of(SHARE).level)} open."
-        )
-    return replace(judged, sentence=sentence)
 
 
 def _inclusion(summary) -> Criterion:

@@ -4,7 +4,7 @@ Displacements tell ratios of stiffness. The level is that of the forces over the
 uncertainty, and the level follows it by a sensitivity. Their products add by squares.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,10 @@ from hypernode.data.measurement import (
     stress_resultants,
 )
 from hypernode.data.seen_share import seen_shares, strips
+from hypernode.evaluation.limits import limited, not_judged, percent
+from hypernode.evaluation.thresholds import Threshold
 from hypernode.fem.mesh import Mesh
+from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
@@ -160,3 +163,19 @@ def table(budget: LevelBudget) -> list[dict]:
     """The budget as rows that a file stores: input, prior, part of the level; the last is the whole."""
     rows = [{"input": part.name, "prior": part.prior, "level": part.level} for part in budget.parts]
     return [*rows, {"input": "level", "prior": None, "level": budget.level}]
+
+
+def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
+    """The criterion of a verdict, with every part and with what the share of the width costs."""
+    name = "level"
+    if budget is None:
+        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
+    judged = limited(name, "The level of the stress is known to", budget.level, threshold)
+    parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
+    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
+    if budget.seen < 1.0:
+        sentence += (
+            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
+            f"{percent(budget.of(SHARE).level)} open."
+        )
+    return replace(judged, sentence=sentence)

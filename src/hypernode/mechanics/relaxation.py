@@ -89,9 +89,9 @@ def fit_relaxation(
 ) -> Relaxation:
     """Whether a record relaxes, how, and how far that is open.
 
-    Elastic and relaxing explanations compete by their evidence. A sheet relaxes from odds of 20 to 1 on, as the mean
-    of the explanations that do. Below, it counts as elastic, and what relaxation would change of it is open: weighed by
-    the odds, or by how well the best of both follow the record, whichever leaves more.
+    Elastic and relaxing explanations compete by their evidence. A sheet relaxes from odds of 20 to 1 on, as the most
+    probable explanation has it. Below, it counts as elastic. What relaxation would change of it is open then. It weighs
+    by the odds, or by how well the best of both follow the record, whichever leaves more.
 
     Args:
         time: from the reference state on, increasing [s].
