@@ -187,6 +187,24 @@ def test_a_record_that_cannot_be_is_refused_with_its_reason_and_leaves_no_file(t
     assert "force_disp.csv" in str(found.value) and not (tmp_path / "out.nc").exists()
 
 
+#: A zero that is off by so much of the largest force.
+OFF = 0.08 * FORCE.max()
+
+
+@pytest.mark.parametrize("off", [OFF, -OFF])
+def test_a_zero_that_is_off_is_asked_for(tmp_path, off):
+    with pytest.raises(DicError, match=rf"is it the zero of the load cell, --set force_offset={off:.3g}"):
+        imported(folder_of(tmp_path, lambda t, d, f: (t, d, f + off)))
+
+
+def test_a_zero_that_is_given_wrongly_is_asked_for(tmp_path):
+    """The curve of force and stretch does not go through the origin then."""
+    force = 40.0 * (STRETCH - STRETCH**-2)
+    off = 0.08 * float(np.interp(1.08, STRETCH, force))
+    with pytest.raises(DicError, match="a zero of the load cell that is off looks the same, and force_offset takes it"):
+        imported(folder_of(tmp_path, lambda t, d, f: (t, d, force)), force_offset=-off)
+
+
 def test_a_record_in_volts_is_said_and_stored(tmp_path, capsys):
     data = imported(folder_of(tmp_path, lambda t, d, f: (t, d, f / 2500.0)))
     assert "volts" in json.loads(data.attrs["force_findings"])[0]

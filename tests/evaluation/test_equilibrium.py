@@ -42,7 +42,7 @@ def test_edge_forces_of_a_homogeneous_sheet_are_stress_times_section():
     P = np.array([[1.5, 0.4], [-0.2, 0.7]])
     loading = Loading.of(measurement(MESH, [np.diag([1.1, 1.2])], outward(P)[None], ROLLERS))
     field = np.tile(P, (1, len(MESH.cells), 1, 1))
-    forces = edge_resultants(MESH, loading, nodal_forces(MESH, field))[0]
+    forces = edge_resultants(MESH, loading, nodal_forces(MESH, field), np.ones((1, 2)))[0]
     for number, edge in enumerate(EDGES):
         i = EDGES[edge][0]
         assert forces[number, i] == pytest.approx(outward(P)[number, i], rel=1e-12)

@@ -62,15 +62,28 @@ def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forc
     assert all(f.sigma == pytest.approx(settings.force_noise * abs(f.value)) for f in problem.forces)
 
 
-def test_a_grid_cut_out_of_a_sheet_uses_the_force_at_both_ends_and_a_whole_sheet_at_one():
+def test_a_reading_is_one_datum_the_mean_of_both_ends_of_a_grid_that_is_cut_out_of_a_sheet():
     data, mesh, _ = sheet(5, square, make_load("clamped_y", [1.1]))
-    whole = field_problem(data, Constrained(terms=["I1_squared"]))
-    cut = field_problem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"]))
-    for component in range(2):
-        forces = [[f for f in p.forces if f.direction.reshape(-1, 2)[:, component].any()] for p in (whole, cut)]
-        ends = [[int(mesh.nodes[f.direction.reshape(-1, 2)[:, component] > 0, 1].mean()) for f in fs] for fs in forces]
-        assert ends == [[1], [1, 0]]
-        assert forces[1][0].value == pytest.approx(-forces[1][1].value)
+    whole = field_problem(data, Constrained(terms=["I1_squared"])).forces
+    cut = field_problem(data.assign_attrs(outline="cut"), Constrained(terms=["I1_squared"])).forces
+    assert len(cut) == len(whole) == 2
+    for one, both in zip(whole, cut, strict=True):
+        assert both.value == pytest.approx(one.value) and both.sigma == pytest.approx(one.sigma)
+        by_edge = [
+            [f.direction.reshape(-1, 2)[mesh.on_edge(edge)].sum() / 6.0 for edge in ("bottom", "top")]
+            for f in (one, both)
+        ]
+        np.testing.assert_allclose(by_edge, [[0.0, 1.0], [-0.5, 0.5]])
+
+
+def test_points_of_the_rim_count_for_what_is_beside_them():
+    data, mesh, _ = sheet(10, square, make_load("clamped_y", [1.1]))
+    part = data.assign_attrs(outline="cut", seen_share="[[0.8, 1.0]]")
+    pull = field_problem(part, Constrained(terms=["I1_squared"])).forces[-1]
+    weights = 2.0 * pull.direction.reshape(-1, 2)[mesh.on_edge("top"), 1]
+    # A strip of an eighth of the seen width is beside a band as wide: one node, and three quarters of the next.
+    np.testing.assert_allclose(weights[:4], 0.8 * (1.0 + np.array([1.0, 0.75, 0.0, 0.0])))
+    assert weights[::-1] == pytest.approx(weights)
 
 
 @pytest.mark.slow

@@ -147,8 +147,8 @@ class SpecimenTest(Section):
     """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
     zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""
     force_uncertainty: Fraction = 0.01
-    """Relative uncertainty of the force that the grid carries: the load cell's, and that of the share of the sheet's
-    width that is left of it."""
+    """Relative uncertainty of a force that no other force shares. What the unseen share of the width leaves open is
+    told by the identified field, and comes on top."""
     force_gain_uncertainty: Fraction = 0.01
     """Relative uncertainty of the load cell's gain, which all forces of a test along one axis share: 1 % of a machine
     of class 1 after ISO 7500-1."""

@@ -24,6 +24,12 @@ class Specimen(SpecimenTest):
     """Side of the sheet along y [mm]."""
     thickness: Positive
     """Thickness of the sheet [mm]: the mean one where it is not the same everywhere."""
+    thickness_uncertainty: Fraction = 0.01
+    """Relative standard uncertainty of the thickness, which the level of the stress follows: that of callipers on a
+    soft sheet."""
+    pixel_size_uncertainty: Fraction = 0.005
+    """That of the pixel size, which the level follows where the points reach over the whole sheet: half a per cent of a
+    scale in the picture."""
     thickness_map: str | None = None
     """Table of the thickness from place to place: columns x, y, thickness [mm], from the lower left corner of the
     measured field."""

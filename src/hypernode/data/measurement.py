@@ -83,11 +83,17 @@ def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
     return measurement["relative_thickness"].values
 
 
+#: What of a record leaves the force of each step open, beside what is stated.
+FORCE_OPEN = ("force_pairing_uncertainty", "force_relaxation_uncertainty")
+
+
 def force_uncertainty(measurement: xr.Dataset) -> Float[np.ndarray, " step"]:
-    """Relative uncertainty of the forces of every step: what is stated, and what their pairing with pictures leaves."""
-    stated = np.full(measurement.sizes["load_step"], float(measurement.attrs["force_uncertainty"]))
-    paired = measurement.get("force_pairing_uncertainty")
-    return stated if paired is None else np.hypot(stated, paired.values)
+    """Relative uncertainty of the forces of every step: what is stated, and what pairing and relaxation leave open."""
+    total = np.full(measurement.sizes["load_step"], float(measurement.attrs["force_uncertainty"]))
+    for name in FORCE_OPEN:
+        if name in measurement:
+            total = np.hypot(total, measurement[name].values)
+    return total
 
 
 def force_gain_uncertainty(measurement: xr.Dataset) -> float:

@@ -1,6 +1,7 @@
 """What of a force record is a matter of time, told from the frames used and the machine's own motion."""
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.data.lost import along
@@ -22,7 +23,8 @@ def relaxation_of(test: SpecimenTest, series: Series, used: Series, pulls: dict)
     """What of the force record is a matter of time, from the stretch of the reference and of the frames used.
 
     Between them, and beyond the last until the last picture, the crosshead tells how the stretch goes on, where the
-    record has it. The displacements of frames that are not used stay unseen: they may serve as a test.
+    record has it. Frames after the first load step that are none themselves may serve as a test: neither their
+    displacements nor their forces are seen.
 
     Args:
         test: what the configuration says.
@@ -49,15 +51,42 @@ def relaxation_of(test: SpecimenTest, series: Series, used: Series, pulls: dict)
     observed = pull.times(np.array([frame.number for frame in used.frames]))[known]
     last = pull.times(np.array([max(frame.number for frame in series.frames)]))[0]
     time, course = _stretch_course(pull, observed, stretch[known], last)
-    if known.sum() <= LEAST_FRAMES or len(time) < LEAST_SAMPLES:
+    heard = numbers[pull.reached(numbers)]
+    at, own = pull.times(heard), np.isin(heard, [frame.number for frame in used.frames])
+    seen = not_held_out(time, at, own, observed[min(1, len(observed) - 1)])
+    if known.sum() <= LEAST_FRAMES or seen.sum() < LEAST_SAMPLES:
         why = (
-            f"{known.sum()} frames and {len(time)} samples of the force record are too few to tell relaxation "
+            f"{known.sum()} frames and {seen.sum()} samples of the force record are too few to tell relaxation "
             f"from elasticity (more than {LEAST_FRAMES} and at least {LEAST_SAMPLES}): "
             "the sheet counts as elastic"
         )
         say("import", test.folder, why)
         return ELASTIC
-    return fit_relaxation(time, course, np.interp(time, pull.time, pull.force), observed[1:])
+    force, interval = np.interp(time, pull.time, pull.force), float(np.median(np.diff(at)))
+    found = fit_relaxation(time, course, force, observed[1:], interval=interval, seen=seen)
+    _say_what_was_found(test, found)
+    return found
+
+
+def not_held_out(
+    time: Float[np.ndarray, " sample"], at: Float[np.ndarray, " frame"], own: Bool[np.ndarray, " frame"], first: float
+) -> Bool[np.ndarray, " sample"]:
+    """Which samples of a record are not of frames that may serve as a test: a sample is of the frame nearest to it.
+
+    Args:
+        time: of the samples [s].
+        at: times of the frames [s].
+        own: which of them are used.
+        first: time of the first load step, until which every sample counts [s].
+    """
+    return (time <= first) | own[np.abs(time[:, None] - at).argmin(axis=1)]
+
+
+def _say_what_was_found(test: SpecimenTest, found: Relaxation) -> None:
+    relaxes = f"the force relaxes, from {found.factor.max():.3g} times the relaxed one on"
+    what = relaxes if found.found else "the sheet counts as elastic"
+    odds = f"{np.exp(min(abs(found.odds), 20.0)):.2g} to 1 {'for' if found.odds > 0.0 else 'against'} relaxation"
+    say("import", test.folder, f"{what}: the record has evidence of {odds}, and leaves {found.spread:.1%} of it open")
 
 
 def _stretch_course(pull: PullRecord, observed, stretch, last: float):

@@ -43,6 +43,7 @@ class ImportedSpecimen:
         edge_force: resultant of each edge that is known [N].
         constrained: 1 where the displacement is prescribed, by step, edge and component.
         field: corners of the first test's whole measured field.
+        shares: of the sheet's sides that the grid covers, by test and axis.
         relative_thickness: of each cell, over that of the sheet.
         thickness_map: the file from which it is, where there is one.
     """
@@ -56,6 +57,7 @@ class ImportedSpecimen:
     edge_force: Float[np.ndarray, "step edge 2"]
     constrained: Float[np.ndarray, "step edge 2"]
     field: Float[np.ndarray, "2 2"]
+    shares: Float[np.ndarray, "case 2"]
     relative_thickness: Float[np.ndarray, " cell"]
     thickness_map: Path | None
 
@@ -127,6 +129,7 @@ def specimen_of(specimen: Specimen, cases: list[LoadCase], hole: Callable | None
         edge_force,
         constrained,
         field,
+        np.tile(np.minimum(mesh.size / [specimen.width, specimen.height], 1.0), (len(cases), 1)),
         thickness_at(chart, mesh.centres) / specimen.thickness if chart else np.ones(len(mesh.cells)),
         chart,
     )
@@ -182,8 +185,8 @@ def _mean_H(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
 def _edges(specimen: Specimen, case: LoadCase, mesh: Mesh):
     """(resultant [N], whether the displacement is prescribed) of each step, edge and component.
 
-    The load cell sees the whole section; the grid that is left after dropping the edge ring is narrower, so its
-    resultant is the share of its width.
+    The load cell sees the whole section, and the grid is narrower. What is said to be its resultant is the share of its
+    width, as in a uniform sheet; :mod:`hypernode.data.seen_share` says what a heterogeneous one makes of it.
     """
     edge_force = np.full((len(case.numbers), len(EDGE_NAMES), 2), np.nan)
     constrained = np.zeros(edge_force.shape)

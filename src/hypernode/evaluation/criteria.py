@@ -9,6 +9,7 @@ import xarray as xr
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
@@ -24,14 +25,17 @@ def judge_run(
     measurement: xr.Dataset,
     constrained: xr.Dataset | None = None,
     settings: Settings = SETTINGS,
+    budget: LevelBudget | None = None,
 ) -> Verdict:
     """The verdict on one run.
 
     Args:
         summary: numbers of its evaluation.
         measurement, constrained: opened files; no constrained field where the method has none.
+        budget: of the level of the stress; none where no force was recorded.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
+    uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
     explained = _displacements(summary, constrained, settings)
     return Verdict(
@@ -48,6 +52,7 @@ def judge_run(
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
             _spread(summary, settings),
+            judge_level(budget, settings.level),
             _inclusion(summary),
         )
     )

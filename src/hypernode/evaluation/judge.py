@@ -19,6 +19,7 @@ from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
 from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
+from hypernode.evaluation.level_budget import SHARE, level_budget
 from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
 from hypernode.evaluation.polish import identified_gradient, score_polish
@@ -88,9 +89,15 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     if constrained is not None:
         judged |= score_ending(constrained)
     judged |= score_polish(files["material"])
+    budget = level_budget(measurement, judged.variables["P_field"])
+    if budget is not None:
+        judged |= Judgement(summary={"level_uncertainty": budget.level})
     if samples is not None:
         cut = 0.0 if is_on_its_own_grid(measurement) else interface_spread(mesh, phases.variables["phase_found"], field)
-        judged |= score_spread(samples, None if true is None else indicator(true, mesh.centres, kind, stretch), cut)
+        # Samples know the errors of the load cell, and not what is beside the points.
+        beside = 0.0 if budget is None else budget.of(SHARE).level * np.abs(field)
+        true_field = None if true is None else indicator(true, mesh.centres, kind, stretch)
+        judged |= score_spread(samples, true_field, np.hypot(cut, beside))
     judged |= score_shape(mesh, field, shape, true_shape)
     places = curve_places(mesh, shape, None if true is None else true_shape)
     return judged | score_curves(found, true, places, largest, kind)

@@ -80,7 +80,8 @@ def score_spread(
     Args:
         samples: of the posterior.
         true: the true indicator, where it is known.
-        interfaces: what interfaces that cut cells leave open beside it, of :func:`interface_spread`.
+        interfaces: what interfaces that cut cells leave open beside it, of :func:`interface_spread`, and what is not
+            seen of the sheet.
     """
     spread = np.hypot(sample_spread(samples.values), interfaces)
     summary = {"spread": float(np.sqrt(np.mean(spread**2) / np.mean(samples.best**2)))}

@@ -12,6 +12,7 @@ from hypernode.data.measurement import (
     is_cut_out,
     stress_resultants,
 )
+from hypernode.data.seen_share import section_weights, seen_shares
 from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh
 from hypernode.identification.settings import Strategy
 
@@ -22,7 +23,7 @@ class EdgeForce:
 
     Attributes:
         step: load step.
-        direction: indicator of its degrees of freedom.
+        direction: by what the forces of its degrees of freedom count.
         value, sigma: force, and its uncertainty that no other force shares.
         channel: load case, component and normal of what a load cell measured along one axis in one test.
         gain, offset: uncertainty of ``value`` by the gain and by the zero of that load cell, which all of its forces
@@ -49,35 +50,41 @@ def shared_errors(forces: list[EdgeForce]) -> Float[np.ndarray, "force error"]:
 
 
 def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
-    """Measured resultants, one a step and component; their overall balance gives the other edge.
+    """Measured resultants, one a step and component.
 
-    Not where the grid is cut out of a larger sheet: its sides carry forces that are not known, so that
-    both resultants say something.
+    A load cell tells one force, so that both edges are one datum. Their balance gives the other edge. Not where the
+    grid is cut out of a larger sheet: its sides carry forces that are not known, and the mean of both edges counts,
+    with what is beside the points as their rim has it (:mod:`hypernode.data.seen_share`).
 
     Args:
         mesh: on whose nodes they act.
         relative: uncertainty of the forces of each step over their size.
     """
-    cut, force = is_cut_out(measurement), stress_resultants(measurement)
+    force, shares = stress_resultants(measurement), seen_shares(measurement)
     gains, offsets = force_gain_uncertainty(measurement), force_offset_uncertainty(measurement)
-    load_case = measurement["load_case"].values
+    load_case, cut = measurement["load_case"].values, is_cut_out(measurement)
     constrained = measurement["edge_constrained"].values > 0
     largest = np.nan_to_num(np.abs(force)).max(axis=(1, 2))
     forces = []
     for step in range(len(force)):
+        case = load_case[step]
         for edges, i in itertools.product((("right", "left"), ("top", "bottom")), range(2)):
-            for edge in edges:
-                e = EDGE_NAMES.index(edge)
-                if constrained[step, e, i] and np.isfinite(force[step, e, i]):
-                    direction = np.zeros(mesh.nodes.shape)
-                    direction[mesh.on_edge(edge), i] = 1.0
-                    sigma = relative[step] * max(abs(force[step, e, i]), strategy.smallest_force * largest[step])
-                    axis, outward = EDGES[edge]
-                    of_channel = force[load_case == load_case[step]][:, [2 * axis, 2 * axis + 1], i]
-                    offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))
-                    value, channel = float(force[step, e, i]), (int(load_case[step]), i, axis)
-                    shared = gains * value, offset
-                    forces.append(EdgeForce(step, direction.ravel(), value, sigma, channel, *shared))
-                    if not cut:
-                        break
+            known = [
+                e for e in map(EDGE_NAMES.index, edges) if constrained[step, e, i] and np.isfinite(force[step, e, i])
+            ]
+            if not known:
+                continue
+            known = known if cut else known[:1]
+            axis, outward = EDGES[EDGE_NAMES[known[0]]]
+            direction, value = np.zeros(mesh.nodes.shape), 0.0
+            for e in known:
+                edge = EDGE_NAMES[e]
+                sign = outward * EDGES[edge][1] / len(known)
+                direction[mesh.on_edge(edge), i] = sign * section_weights(mesh, edge, shares[case, 1 - axis])
+                value += sign * float(force[step, e, i])
+            sigma = relative[step] * max(abs(value), strategy.smallest_force * largest[step])
+            of_channel = force[load_case == case][:, [2 * axis, 2 * axis + 1], i]
+            offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))
+            shared = gains * value, offset
+            forces.append(EdgeForce(step, direction.ravel(), value, sigma, (int(case), i, axis), *shared))
     return forces

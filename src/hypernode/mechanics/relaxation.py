@@ -11,33 +11,16 @@ force is the elastic one times a factor that depends on time alone.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
-from scipy.optimize import nnls
-from scipy.signal import lfilter
+from jaxtyping import Bool, Float
+
+from hypernode.mechanics.record_evidence import Record, explanations_of
 
 #: Samples of the record that the fit sees, at equal times.
-SAMPLES = 400
-#: Relaxation times, as shares of the record. A slower one cannot be told from an elastic sheet.
-TIMES = np.geomspace(0.01, 0.2, 10)
-#: Iterations that one non-negative fit may take.
-FIT_ITERATIONS = 10_000
-#: Alternations between the elastic curve and the shares of the relaxation times.
-ALTERNATIONS = 30
-#: A plainer description is kept as long as its misfit is below this multiple of the fullest one's, or below
-#: this share of the largest force, which no load cell resolves.
-WORTH_IT, RESOLUTION = 1.5, 1e-3
-
-
-def _elastic_columns(stretch: Float[np.ndarray, " sample"]) -> dict[str, Float[np.ndarray, " sample"]]:
-    """Forces in uniaxial tension of the isotropic energies, up to their factors."""
-    first = stretch - stretch**-2
-    return {"I1": first, "I1_squared": (stretch**2 + 2.0 / stretch - 3.0) * first, "I2": 1.0 - stretch**-3}
-
-
-def _memory(elastic: Float[np.ndarray, "*column sample"], step: float, tau: float):
-    """∫ exp(-(t - s)/τ) d(elastic) for samples at equal steps of time, linear between them."""
-    decay = np.exp(-step / tau)
-    return lfilter([(1.0 - decay) * tau / step], [1.0, -decay], np.diff(elastic, prepend=elastic[..., :1]))
+SAMPLES = 200
+#: Logarithm of the odds from which a sheet is said to relax: 20 to 1.
+EVIDENCE = 3.0
+#: Frames that a record counts as having where nothing tells their interval.
+_FRAMES = 25
 
 
 @dataclass(frozen=True)
@@ -45,18 +28,29 @@ class Relaxation:
     """What a force record says of time.
 
     Attributes:
-        terms: energies of the elastic curve.
         times: samples [s].
         factor: recorded over elastic force at those: 1 + Σ g_k on the first, towards 1 in a hold.
-        misfit: root mean square of what is left over, over the largest force.
         steps: times of the load steps, at whose mean pace the sheet counts as elastic (step,).
+        open: of each step, how far other explanations of the record have :meth:`at` otherwise, root mean square with
+            their probability (step,).
+        odds: logarithm of the evidence for relaxation over that against it.
     """
 
-    terms: tuple[str, ...]
     times: Float[np.ndarray, " sample"]
     factor: Float[np.ndarray, " sample"]
-    misfit: float
     steps: Float[np.ndarray, " step"]
+    open: Float[np.ndarray, " step"]
+    odds: float
+
+    @property
+    def spread(self) -> float:
+        """Relative uncertainty of the stiffness: what is open of the steps, root mean square."""
+        return float(np.sqrt(np.mean(self.open**2)))
+
+    @property
+    def found(self) -> bool:
+        """Whether the sheet relaxes."""
+        return bool((self.factor != 1.0).any())
 
     @property
     def pace(self) -> float:
@@ -69,6 +63,10 @@ class Relaxation:
             return np.ones(len(time))
         return np.interp(time, self.times, self.factor) / self.pace
 
+    def open_at(self, time: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
+        """Uncertainty of :meth:`at`, which is known at the load steps."""
+        return np.zeros(len(time)) if len(self.times) == 1 else np.interp(time, self.steps, self.open)
+
     def sampled(self) -> tuple[Float[np.ndarray, " sample"], Float[np.ndarray, " sample"]]:
         """(times, factor) at as many samples whatever the record, so that those of several tests are one array."""
         if len(self.times) == SAMPLES:
@@ -77,23 +75,7 @@ class Relaxation:
 
 
 #: A sheet of whose record nothing is a matter of time, as far as one can or wants to know.
-ELASTIC = Relaxation((), np.zeros(1), np.ones(1), 0.0, np.zeros(1))
-
-
-def _fit(times, elastic, target, relaxing: bool):
-    """(elastic curve, relaxing part) by turns: the curve for given shares, the shares for a given curve."""
-    step = times[1] - times[0]
-    columns = np.stack(list(elastic.values()), axis=1)
-    memories = np.stack([_memory(columns.T, step, share * (times[-1] - times[0])) for share in TIMES])
-    shares = np.zeros(len(TIMES))
-    for _ in range(ALTERNATIONS if relaxing else 1):
-        curve = nnls(columns + np.einsum("k,kcs->sc", shares, memories), target, maxiter=FIT_ITERATIONS)[0]
-        if relaxing:
-            parts = np.column_stack([columns @ curve, np.einsum("c,kcs->sk", curve, memories)])
-            found = nnls(parts, target, maxiter=FIT_ITERATIONS)[0]
-            # Without an elastic part there would be nothing to which the shares relate.
-            shares = found[1:] / max(found[0], 1e-3 * found.sum(), 1e-300)
-    return columns @ curve, np.einsum("k,c,kcs->s", shares, curve, memories)
+ELASTIC = Relaxation(np.zeros(1), np.ones(1), np.zeros(1), np.zeros(1), -np.inf)
 
 
 def fit_relaxation(
@@ -101,29 +83,40 @@ def fit_relaxation(
     stretch: Float[np.ndarray, " sample"],
     force: Float[np.ndarray, " sample"],
     steps: Float[np.ndarray, " step"],
+    *,
+    interval: float | None = None,
+    seen: Bool[np.ndarray, " sample"] | None = None,
 ) -> Relaxation:
-    """The plainest elastic curve and relaxation that explain a record.
+    """Whether a record relaxes, how, and how far that is open.
 
-    At a constant rate, a curve that flattens may be relaxation or an energy of I2. What decides is how well the
-    whole record is followed: elastic without and with I2, then relaxing without and with I2, the first that comes
-    near the last.
+    Elastic and relaxing explanations compete by their evidence. A sheet relaxes from odds of 20 to 1 on, as the most
+    probable explanation has it. Below, it counts as elastic. What relaxation would change of it is open then. It weighs
+    by the odds, or by how well the best of both follow the record, whichever leaves more.
 
     Args:
         time: from the reference state on, increasing [s].
         stretch: mean stretch along the tensile axis.
         force: without what the record reads before the sheet pulls [N].
         steps: times of the load steps [s].
+        interval: between frames [s]; left out, that of 25 frames.
+        seen: samples whose force may be used; left out, all.
     """
     times = np.linspace(time[0], time[-1], SAMPLES)
-    target = np.interp(times, time, force)
-    columns = _elastic_columns(np.interp(times, time, stretch))
-    plain = {key: columns[key] for key in ("I1", "I1_squared")}
-    tried = []
-    for relaxing in (False, True):
-        for elastic in (plain, columns):
-            curve, rest = _fit(times, elastic, target, relaxing)
-            factor = 1.0 + np.divide(rest, curve, out=np.zeros(SAMPLES), where=curve > 1e-6 * curve.max())
-            misfit = np.sqrt(np.mean((curve + rest - target) ** 2)) / np.abs(target).max()
-            tried.append(Relaxation(tuple(elastic), times, factor, float(misfit), steps))
-    enough = max(WORTH_IT * tried[-1].misfit, RESOLUTION)
-    return next((each for each in tried if each.misfit <= enough), tried[-1])
+    at = np.interp(times, time, force)
+    told = np.ones(SAMPLES, bool) if seen is None else np.interp(times, time, seen.astype(float)) > 1.0 - 1e-9
+    largest = np.abs(at[told]).max(initial=0.0)
+    if not largest > 0.0:
+        return ELASTIC
+    interval = interval or (times[-1] - times[0]) / (_FRAMES - 1)
+    course = np.maximum(np.interp(times, time, stretch), 1.0)
+    found = explanations_of(Record(times, course, at / largest, told, interval))
+    relaxing, weights = found.factor[found.relaxes], found.weights
+    relaxes = found.odds > EVIDENCE
+    factor = relaxing[np.argmax(weights)] if relaxes else np.ones(SAMPLES)
+    chosen = Relaxation(times, factor, steps, np.zeros(len(steps)), found.odds)
+    each = np.array([Relaxation(times, other, steps, chosen.open, 0.0).at(steps) for other in relaxing])
+    apart = weights @ (each / chosen.at(steps) - 1.0) ** 2
+    odds = found.odds if relaxes else max(found.odds, found.alike)
+    chance = 1.0 / (1.0 + np.exp(-odds))
+    elastic = (1.0 / chosen.at(steps) - 1.0) ** 2
+    return Relaxation(times, factor, steps, np.sqrt(chance * apart + (1.0 - chance) * elastic), found.odds)

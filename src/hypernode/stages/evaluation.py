@@ -9,6 +9,7 @@ from hypernode.config.geometries import Image
 from hypernode.config.model import Config
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.judge import judge, shape_stretch
+from hypernode.evaluation.level_budget import level_budget, table
 from hypernode.evaluation.shape import PrintedShape
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
@@ -39,7 +40,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         inside = make_shape(Image(shape="image", path=printed))
         shape = PrintedShape(inside, corners, config.specimens[case.specimen].shape_flipped)
     judged = judge(data, kind, stretches, shape)
-    verdict = judge_run(judged.summary, measurement, data.get("constrained"))
+    budget = level_budget(measurement, judged.variables["P_field"])
+    verdict = judge_run(judged.summary, measurement, data.get("constrained"), budget=budget)
     summary = {"case": name, "verdict": verdict.label, **judged.summary}
     weights = _trained_weights(data["material"])
     write(
@@ -56,6 +58,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
             "raw_inputs": {printed: sha256(printed)} if printed else {},
             "summary": summary | ({"parameters": weights} if weights else {}),
             "verdict": verdict.stored(),
+            "level_budget": [] if budget is None else table(budget),
         },
         parents=opened,
     )

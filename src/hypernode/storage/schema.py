@@ -121,6 +121,7 @@ VARIABLES = {
     "u": Variable(("load_step", "node", "i"), "length", "displacement"),
     "u_measured": Variable(("repeat", "load_step", "node", "i"), "length", "measured displacement"),
     "force_pairing_uncertainty": Variable(("load_step",), "1", "uncertainty of a force by its picture, over its size"),
+    "force_relaxation_uncertainty": Variable(("load_step",), "1", "the same by what of it is a matter of time"),
     "noise_scatter": Variable(("load_step", "i"), "length", "standard deviation of a measured displacement"),
     "noise_level": Variable(
         ("load_step", "i"), "length", "that of independent errors which weigh as much as those that points share do"

@@ -171,7 +171,8 @@ def check_clock(
             Finding(
                 f"the record's clock is off that of the pictures by {' and by '.join(map(str, apart))}: set "
                 "first_frame_time, or force_time_offset to seconds, to estimate, or to 0 if the clocks are right and "
-                "the sheet was loaded before its reference frame",
+                "the sheet was loaded before its reference frame; a zero of the load cell that is off looks the "
+                "same, and force_offset takes it",
                 not accepted,
             )
         )

@@ -37,12 +37,14 @@ class Pairing:
         uncertainty: its standard deviation [s].
         interval: between frames [s]; of a record that only numbers its pictures, that of their numbers.
         named: whether the record names the pictures.
+        zero: what the curve has at rest, which a load cell's zero that is off would make as well [N].
     """
 
     seconds: float
     uncertainty: float
     interval: float
     named: bool
+    zero: float
 
     @property
     def findings(self) -> list[Finding]:
@@ -57,7 +59,8 @@ class Pairing:
         sentence = (
             f"the force begins {abs(frames):.2g} frames {way} than the stretch, if its curve is as smooth from rest on "
             f"as it is later: forces may be those of other frames. --set {key}={other} takes them so; --set {key}=0 "
-            "says that they are right, as where a material is soft at first"
+            f"says that they are right, as where a material is soft at first. Or the load cell is {self.zero:.3g} N "
+            "off zero: force_offset takes that much more"
         )
         return [Finding(sentence, False)]
 
@@ -86,13 +89,13 @@ def pairing_of(test: SpecimenTest, pull: PullRecord, series: Series, part: Compo
     lag = _of_curve(strain, time, pull.forces(numbers)) if len(numbers) else None
     named = pull.image is not None
     if lag is None or abs(lag[0]) > _FARTHEST * interval:
-        return Pairing(0.0, 0.0 if named else _UNTOLD * interval, interval, named)
+        return Pairing(0.0, 0.0 if named else _UNTOLD * interval, interval, named, 0.0)
     given = test.picture_shift is not None if named else test.force_time_offset not in (None, "estimate")
-    return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named)
+    return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named, lag[2])
 
 
-def _of_curve(strain, time, force) -> tuple[float, float] | None:
-    """(lag of the force [s], its standard deviation) from where its curve over the strain crosses zero."""
+def _of_curve(strain, time, force) -> tuple[float, float, float] | None:
+    """(lag of the force [s], its standard deviation, the force at rest) as its curve over the strain has it."""
     pulled = strain >= _BEGUN * strain.max(initial=0.0)
     count = max(_BEGIN, int((strain[pulled] <= 0.5 * strain.max(initial=0.0)).sum()))
     strain, time, force = (each[pulled][:count] for each in (strain, time, force))
@@ -106,4 +109,4 @@ def _of_curve(strain, time, force) -> tuple[float, float] | None:
     pace = (at[-1] - at[0]) / (time[-1] - time[0])
     rate = max(usual[1], _TOE * force[-1]) * pace
     error = float(np.hypot(fuller[0] - usual[0], scatter))
-    return (float(-usual[0] / rate), error / rate) if rate > 0.0 else None
+    return (float(-usual[0] / rate), error / rate, float(usual[0])) if rate > 0.0 else None

@@ -1,0 +1,181 @@
+"""The budget of the level of the stress: what each input leaves open of it, as in the GUM (JCGM 100:2008, 8.1).
+
+Displacements tell ratios of stiffness. The level is that of the forces over the section. Every input has a standard
+uncertainty, and the level follows it by a sensitivity. Their products add by squares.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from hypernode.data.loading import Loading
+from hypernode.data.measurement import (
+    force_gain_uncertainty,
+    force_offset_uncertainty,
+    is_cut_out,
+    mesh_of,
+    relative_thickness,
+    stress_resultants,
+)
+from hypernode.data.seen_share import seen_shares, strips
+from hypernode.evaluation.limits import limited, not_judged, percent
+from hypernode.evaluation.thresholds import Threshold
+from hypernode.fem.mesh import Mesh
+from hypernode.verdict import Criterion
+
+#: The input that depends on the field: what the points do not see of the sections.
+SHARE = "share of the width"
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one input leaves open.
+
+    Attributes:
+        name: of the input.
+        prior: its relative standard uncertainty; of the zero, over the largest force.
+        level: that of the level by it.
+    """
+
+    name: str
+    prior: float
+    level: float
+
+
+@dataclass(frozen=True)
+class LevelBudget:
+    """All parts.
+
+    Attributes:
+        parts: in the order of the table.
+        seen: smallest share of a loaded section that the points see.
+    """
+
+    parts: tuple[Part, ...]
+    seen: float
+
+    @property
+    def level(self) -> float:
+        """Relative standard uncertainty of the level."""
+        return float(np.sqrt(sum(part.level**2 for part in self.parts)))
+
+    def of(self, name: str) -> Part:
+        """The part of an input."""
+        return next(part for part in self.parts if part.name == name)
+
+    @property
+    def largest(self) -> list[Part]:
+        """Those that make up most, the largest first."""
+        return sorted((part for part in self.parts if part.level > 0.0), key=lambda part: -part.level)
+
+
+def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"]) -> LevelBudget | None:
+    """The budget of an identified field; None where no force was recorded, and the level is a convention.
+
+    Args:
+        measurement: opened file.
+        P: stress of the identified field.
+    """
+    if measurement.attrs["forces"] != "measured":
+        return None
+    mesh, loading, shares = mesh_of(measurement), Loading.of(measurement), seen_shares(measurement)
+    force = np.nan_to_num(np.abs(stress_resultants(measurement))).max(axis=(1, 2))
+    of_case = np.array([force[loading.load_case == case].max() for case in loading.load_case])
+    told = force > 0.0
+    zero, gain = force_offset_uncertainty(measurement), force_gain_uncertainty(measurement)
+    # Every step weighs alike, since its uncertainty is a share of its force.
+    zero_level = float(np.mean(of_case[told] / force[told])) * zero
+    thickness, pixel = (float(measurement.attrs.get(f"{key}_uncertainty", 0.0)) for key in ("thickness", "pixel_size"))
+    share, seen = _share(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
+    # Of a part of the sheet the stated width rules. Where all is seen, the section is measured in pixels.
+    pixel_level = pixel if seen >= 1.0 else 0.0
+    open_of = {key: _rms(measurement, f"force_{key}_uncertainty") for key in ("relaxation", "pairing")}
+    parts = [
+        Part("zero", zero, zero_level),
+        Part("gain", gain, gain),
+        Part("thickness", thickness, thickness),
+        Part("pixel size", pixel, pixel_level),
+        Part(SHARE, share, share),
+        *(Part(key, value, value) for key, value in open_of.items()),
+    ]
+    return LevelBudget(tuple(parts), seen)
+
+
+def _rms(measurement: xr.Dataset, name: str) -> float:
+    return float(np.sqrt(np.mean(measurement[name].values ** 2))) if name in measurement else 0.0
+
+
+def _share(measurement, mesh: Mesh, loading: Loading, shares, P) -> tuple[float, float]:
+    """(relative uncertainty of the force by what is not seen of the sections, smallest share that is seen)."""
+    found, seen = [0.0], [1.0]
+    if not is_cut_out(measurement):
+        return 0.0, 1.0
+    for case in range(len(shares)):
+        steps = np.flatnonzero(loading.load_case == case)
+        for axis in range(2):
+            along = shares[case, 1 - axis]
+            if along < 1.0 and loading.measured[steps, axis, axis].any():
+                found.append(share_uncertainty(mesh, P[steps[-1], :, axis, axis], axis, along))
+                seen.append(float(along))
+    return max(found), min(seen)
+
+
+def share_uncertainty(mesh: Mesh, normal: Float[np.ndarray, " cell"], axis: int, share: float) -> float:
+    """Relative uncertainty of the force of a section of which a share is seen.
+
+    Two things tell how well a rim stands for what is beside it. Every section carries one force, so that its scatter
+    over sections is an error. And a band within the sheet, as wide as the rim's, misses the one beside it by something.
+    Both sides are on average right or wrong by themselves.
+
+    Args:
+        normal: traction over the sections' normal, times the relative thickness.
+        axis: of that normal.
+        share: of a section that is seen.
+    """
+    grid, sizes = _on_sections(mesh, normal, axis)
+    whole = np.nansum(grid * sizes, axis=1)
+    strip, band = strips(float(sizes.sum()), share)
+    ends = np.cumsum(sizes) - 0.5 * sizes
+    from_both = ends, sizes.sum() - ends
+    rims = [np.nanmean(grid[:, near < band], axis=1) for near in from_both]
+    beside = [np.nanmean(grid[:, (near >= band) & (near < 2.0 * band + 1e-9)], axis=1) for near in from_both]
+    force = whole + strip * (rims[0] + rims[1])
+    mean = np.nanmean(force)
+    missed = np.array([rim - next_to for rim, next_to in zip(rims, beside, strict=True)]) / (mean / sizes.sum() * share)
+    scatter = float(np.nanstd(force) / mean)
+    return float(np.hypot(scatter, (1.0 - share) * np.sqrt(0.5 * np.nanmean(missed**2))))
+
+
+def _on_sections(mesh: Mesh, values: Float[np.ndarray, " cell"], axis: int):
+    """(values by section and place along it, NaN in a hole; widths of those places)."""
+    lines = mesh.lines
+    sizes = np.diff(lines[1 - axis])
+    centres = mesh.centres
+    place = [np.searchsorted(lines[k], centres[:, k]) - 1 for k in (axis, 1 - axis)]
+    grid = np.full((len(lines[axis]) - 1, len(sizes)), np.nan)
+    grid[place[0], place[1]] = values
+    return grid, sizes
+
+
+def table(budget: LevelBudget) -> list[dict]:
+    """The budget as rows that a file stores: input, prior, part of the level; the last is the whole."""
+    rows = [{"input": part.name, "prior": part.prior, "level": part.level} for part in budget.parts]
+    return [*rows, {"input": "level", "prior": None, "level": budget.level}]
+
+
+def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
+    """The criterion of a verdict, with every part and with what the share of the width costs."""
+    name = "level"
+    if budget is None:
+        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
+    judged = limited(name, "The level of the stress is known to", budget.level, threshold)
+    parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
+    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
+    if budget.seen < 1.0:
+        sentence += (
+            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
+            f"{percent(budget.of(SHARE).level)} open."
+        )
+    return replace(judged, sentence=sentence)
