@@ -12,6 +12,8 @@ from hypernode.trace import Score, Trial
 
 #: Standard deviations of the noise's level by which what is left may exceed it.
 BY_CHANCE = 3.0
+#: Gain of a score from which one more material or term is kept: odds of 20 to 1.
+EVIDENCE = 3.0
 
 
 @dataclass(frozen=True, eq=False)

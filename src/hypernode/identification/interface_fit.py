@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse
 
 from hypernode.identification.interface_noise import Left, left_of
-from hypernode.identification.interface_numbers import UNKNOWN, Numbers, numbers_of
+from hypernode.identification.interface_numbers import UNKNOWN, Derivatives, Numbers, numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.projected_newton import bounded_step, projected_steps
 from hypernode.identification.seen_test import SeenTest
@@ -67,32 +67,6 @@ class Fit:
     history: list[float]
 
 
-@dataclasses.dataclass(frozen=True)
-class _Model:
-    """Derivatives of the residuals where they were last followed.
-
-    Attributes:
-        moves: how the distances from each line follow when its points move.
-        sigma: by which residuals of displacements were divided.
-        jacobians: by step (residual, number).
-    """
-
-    moves: list
-    sigma: float
-    jacobians: list[np.ndarray]
-
-    def over(self, sigma: float, displacements: list[int]) -> list[np.ndarray]:
-        """The same for another uncertainty of the displacements, of which there are so many by step."""
-        if sigma == self.sigma:
-            return self.jacobians
-        found = []
-        for J, count in zip(self.jacobians, displacements, strict=True):
-            J = J.copy()
-            J[:count] *= self.sigma / sigma
-            found.append(J)
-        return found
-
-
 class InterfaceFit:
     """Descents on one test.
 
@@ -106,8 +80,8 @@ class InterfaceFit:
         self.test, self._finds, self._moves = test, find_window, move_lines
         self._strategy = test.problem.strategy
         self._window_error, self._measures = 0.0, move_lines and not settled
-        self._model: _Model | None = None
-        self._latest: _Model | None = None
+        self._model: Derivatives | None = None
+        self._latest: Derivatives | None = None
 
     def moves(self, field: Interfaces) -> list:
         """How the distances from each line follow when its points move."""
@@ -167,14 +141,14 @@ class InterfaceFit:
         _, gain, _ = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, self._strategy)
         return 0.5 * shared.squared(residuals) + numbers.prior(numbers.y) - gain
 
-    def _followed(self, field: Interfaces, states, sigma: float) -> _Model:
+    def _followed(self, field: Interfaces, states, sigma: float) -> Derivatives:
         """Derivatives at a field."""
         moves, test = self.moves(field), self.test
         jacobians = test.answers(states, test.loads(field, states, moves), sigma)
         if self._finds:
             columns = test.by_window(states, sigma)
             jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
-        return _Model(moves, sigma, jacobians)
+        return Derivatives(moves, sigma, jacobians)
 
     def _step(self, field: Interfaces, states, sigma: float):
         """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
@@ -241,7 +215,7 @@ class InterfaceFit:
             history,
         )
 
-    def _determined(self, numbers: Numbers, model: _Model, shared, left: Left):
+    def _determined(self, numbers: Numbers, model: Derivatives, shared, left: Left):
         """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""
         sigma, count = shared.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0), len(numbers.y)
         jacobians = [J[:, :count] for J in model.over(sigma, [len(b.seen) for b in self.test.boundaries])]

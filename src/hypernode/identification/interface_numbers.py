@@ -48,6 +48,32 @@ class Numbers:
         return self.held @ y - self.pull
 
 
+@dataclasses.dataclass(frozen=True)
+class Derivatives:
+    """Derivatives of the residuals where they were last followed.
+
+    Attributes:
+        moves: how the distances from each line follow when its points move.
+        sigma: by which residuals of displacements were divided.
+        jacobians: by step (residual, number).
+    """
+
+    moves: list
+    sigma: float
+    jacobians: list[np.ndarray]
+
+    def over(self, sigma: float, displacements: list[int]) -> list[np.ndarray]:
+        """The same for another uncertainty of the displacements, of which there are so many by step."""
+        if sigma == self.sigma:
+            return self.jacobians
+        found = []
+        for J, count in zip(self.jacobians, displacements, strict=True):
+            J = J.copy()
+            J[:count] *= self.sigma / sigma
+            found.append(J)
+        return found
+
+
 def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Float[np.ndarray, " bend"]]]:
     """(how bends change with each number, the bends as they are) of every line, over how much lines usually bend."""
     bends, found = field.lines.grid.bends, []

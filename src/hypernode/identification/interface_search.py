@@ -14,14 +14,13 @@ import xarray as xr
 from hypernode.config.methods import Constrained
 from hypernode.data.information import information_of
 from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
-from hypernode.identification.candidate import Candidate
+from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
-from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.law_search import LawSearch, stiffness_of
 from hypernode.identification.partition import cut_into
-from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
@@ -38,20 +37,14 @@ WINDOW, NO_WINDOW = 1.5, 0.5
 FINER = 2
 #: Distance between points of a line, in sides of cells, where more than noise is left.
 CLOSER = 0.5
-#: Steps of a descent at most: of few materials, of finer elements, of a law alone.
-STEPS, FINER_STEPS, LAW_STEPS = 15, 8, 6
-#: How many of the terms that may join are tried, those first that promise most.
-TERMS_TRIED = 2
+#: Steps of a descent at most: of few materials, of finer elements.
+STEPS, FINER_STEPS = 15, 8
 #: How often materials are sought again on top of another law.
 ROUNDS = 2
-#: Gain of a score from which one more material or term is kept: odds of 20 to 1.
-EVIDENCE = 3.0
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
 NOT_MADE_OF_FEW = 3.0
-#: Terms that say more of another one.
-BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
 
 
 def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> InterfaceEstimate | None:
@@ -98,13 +91,13 @@ class Search:
         kept = self._parts(one) if one is not None and one.leaves_more_than_noise else one
         if kept is None:
             return None
-        kept = self._merged(self._law(kept))
+        kept = self._merged(self._with_law(kept))
         finer = self._finer(kept)
         for _ in range(ROUNDS):
             more = self._parts(kept) if finer.misses_deformation and not len(kept.fit.field.gradual) else kept
             if more is kept:
                 break
-            kept = self._merged(self._law(more))
+            kept = self._merged(self._with_law(more))
             finer = self._finer(kept)
         return answer(trials, finer, self._finds)
 
@@ -118,7 +111,7 @@ class Search:
         stiffness, u = self._factor_of_cells(begun, known)
         if stiffness is None:
             return None if first else begun
-        level = _stiffness(problem, known.materials)
+        level = stiffness_of(problem, known.materials)
         kept, window = begun, WINDOW if self._finds and first else begun.fit.window
         for count in range(known.count + 1, MOST + 1):
             field = cut_into(level[known.labels()] + stiffness.factor, count, known, level)
@@ -171,11 +164,14 @@ class Search:
         say("constrained", trials.name, f"a factor of the stiffness in every cell: missed by {stiffness.misfit:.3g}")
         return stiffness, {**begun.u, **{k: state[0] for k, state in zip(last, stiffness.states, strict=True)}}
 
+    def _with_law(self, kept: Candidate) -> Candidate:
+        return LawSearch(self._trials, self._steps, self._finds).end(kept)
+
     def _merged(self, kept: Candidate) -> Candidate:
         """Materials that are as stiff as one another as one, as long as two do not explain more."""
         trials = self._trials
         while kept.fit.field.count > 2:
-            level = _stiffness(kept.problem, kept.fit.field.materials)
+            level = stiffness_of(kept.problem, kept.fit.field.materials)
             apart, one, other = min((abs(level[i] - level[j]), i, j) for i in range(len(level)) for j in range(i))
             if apart > ALIKE:
                 break
@@ -191,65 +187,6 @@ class Search:
             trials.passed_over(kept, f"scores {kept.gain_over(found):+.1f} against one material less")
             kept = found
         return kept
-
-    def _law(self, kept: Candidate) -> Candidate:
-        """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
-
-        The term that promises most is tried, and the second where that one does not pay.
-        """
-        trials = self._trials
-        while True:
-            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))[:TERMS_TRIED]
-            paid = None
-            for term in promising:
-                found = self._with(kept, term)
-                if found is None:
-                    continue
-                gain = found.gain_over(kept)
-                if gain > EVIDENCE:
-                    paid = found
-                    trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
-                    break
-                trials.passed_over(found, f"scores {-gain:+.1f} against the law without {term}")
-            if paid is None:
-                return kept
-            kept = self._lines_again(paid)
-
-    def _predicted(self, kept: Candidate, term: str) -> float:
-        """The score that a term promises: of one step of the materials, lines as they are."""
-        problem = self._trials.with_term(kept, term)
-        field = kept.fit.field.with_law(_translated(kept, problem))
-        left = kept.fit.left
-        sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
-        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
-        cost = descent.predicted(field, [kept.u[k] for k in self._steps], sigma)
-        return cost + 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
-
-    def _lines_again(self, kept: Candidate) -> Candidate:
-        """Lines that follow another law."""
-        if kept.fit.field.count == 1:
-            return kept
-        u, window = kept.u, kept.fit.window
-        move = f"lines with {kept.terms[-1]}"
-        found = self._trials.descend(
-            move, kept, kept.problem, kept.fit.field, u, self._steps, FINER_STEPS, window, self._finds
-        )
-        return found or kept
-
-    def _with(self, kept: Candidate, term: str) -> Candidate | None:
-        """The same lines between materials of a law with one term more."""
-        problem = self._trials.with_term(kept, term)
-        field = kept.fit.field.with_law(_translated(kept, problem))
-        window = kept.fit.window
-        return self._trials.descend(
-            f"with {term}", kept, problem, field, kept.u, self._steps, LAW_STEPS, window, move_lines=False
-        )
-
-    def _open(self, kept: Candidate) -> list[str]:
-        """Terms that may join: those of the configuration which say nothing of a term that is not there."""
-        settings = self._trials.settings
-        every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
-        return [term for term in every if term not in kept.terms and BELONGS.get(term, term) in (*kept.terms, term)]
 
     def _finer(self, coarse: Candidate) -> Candidate:
         """The same on finer finite elements."""
@@ -282,23 +219,3 @@ def _largest_and_half(problem: FieldProblem) -> list[int]:
         largest = own[np.argmax(loading.t[own])]
         found |= {int(largest), int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
     return sorted(found)
-
-
-def _translated(found: Candidate, problem: FieldProblem) -> np.ndarray:
-    """Materials of another law: parameters that both have, others as the law begins, as stiff at the test's mean."""
-    names, old = problem.basis.names, found.problem.basis.names
-    before = found.fit.field.materials
-    materials = np.tile(problem.basis.start, (len(before), 1))
-    for k, name in enumerate(names):
-        if name in old:
-            materials[:, k] = before[:, old.index(name)]
-    materials[:, 0] += _stiffness(found.problem, before) - _stiffness(problem, materials)
-    return materials
-
-
-def _stiffness(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
-    """Logarithm of the stress of each material under the mean deformation of the sheet."""
-    F, scale = problem.observations.mean_F, problem.observations.loading.scale
-    count, steps = len(materials), F.shape[2]
-    P, _ = Points(problem.basis).stress(np.tile(F, count), np.repeat(materials.T, steps, axis=1))
-    return 0.5 * np.log(((P.reshape(2, 2, count, steps) / scale) ** 2).sum(axis=(0, 1, 3)))

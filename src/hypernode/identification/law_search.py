@@ -1,0 +1,108 @@
+"""Which terms the law of the materials has, one after the other as long as one pays."""
+
+import numpy as np
+
+from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.interface_fit import InterfaceFit
+from hypernode.identification.points import Points
+from hypernode.identification.problem import FieldProblem
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.trials import Trials
+
+#: Steps of a descent at most: of a law alone, of lines that follow it.
+LAW_STEPS, LINE_STEPS = 6, 8
+#: How many of the terms that may join are tried, those first that promise most.
+TERMS_TRIED = 2
+#: Terms that say more of another one.
+BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
+
+
+class LawSearch:
+    """The search for terms on one test.
+
+    Args:
+        steps: load steps that count.
+        finds_window: whether the side of the window is sought.
+    """
+
+    def __init__(self, trials: Trials, steps: list[int], finds_window: bool):
+        self._trials, self._steps, self._finds = trials, steps, finds_window
+
+    def end(self, kept: Candidate) -> Candidate:
+        """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
+
+        The term that promises most is tried, and the second where that one does not pay.
+        """
+        trials = self._trials
+        while True:
+            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))[:TERMS_TRIED]
+            paid = None
+            for term in promising:
+                found = self._with(kept, term)
+                if found is None:
+                    continue
+                gain = found.gain_over(kept)
+                if gain > EVIDENCE:
+                    paid = found
+                    trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
+                    break
+                trials.passed_over(found, f"scores {-gain:+.1f} against the law without {term}")
+            if paid is None:
+                return kept
+            kept = self._lines_again(paid)
+
+    def _predicted(self, kept: Candidate, term: str) -> float:
+        """The score that a term promises: of one step of the materials, lines as they are."""
+        problem = self._trials.with_term(kept, term)
+        field = kept.fit.field.with_law(_translated(kept, problem))
+        left = kept.fit.left
+        sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
+        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
+        cost = descent.predicted(field, [kept.u[k] for k in self._steps], sigma)
+        return cost + 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
+
+    def _lines_again(self, kept: Candidate) -> Candidate:
+        """Lines that follow another law."""
+        if kept.fit.field.count == 1:
+            return kept
+        u, window = kept.u, kept.fit.window
+        move = f"lines with {kept.terms[-1]}"
+        found = self._trials.descend(
+            move, kept, kept.problem, kept.fit.field, u, self._steps, LINE_STEPS, window, self._finds
+        )
+        return found or kept
+
+    def _with(self, kept: Candidate, term: str) -> Candidate | None:
+        """The same lines between materials of a law with one term more."""
+        problem = self._trials.with_term(kept, term)
+        field = kept.fit.field.with_law(_translated(kept, problem))
+        window = kept.fit.window
+        return self._trials.descend(
+            f"with {term}", kept, problem, field, kept.u, self._steps, LAW_STEPS, window, move_lines=False
+        )
+
+    def _open(self, kept: Candidate) -> list[str]:
+        """Terms that may join: those of the configuration which say nothing of a term that is not there."""
+        settings = self._trials.settings
+        every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
+        return [term for term in every if term not in kept.terms and BELONGS.get(term, term) in (*kept.terms, term)]
+
+
+def _translated(found: Candidate, problem: FieldProblem) -> np.ndarray:
+    """Materials of another law: parameters that both have, others as the law begins, as stiff at the test's mean."""
+    names, old = problem.basis.names, found.problem.basis.names
+    before = found.fit.field.materials
+    materials = np.tile(problem.basis.start, (len(before), 1))
+    for k, name in enumerate(names):
+        if name in old:
+            materials[:, k] = before[:, old.index(name)]
+    materials[:, 0] += stiffness_of(found.problem, before) - stiffness_of(problem, materials)
+    return materials
+
+
+def stiffness_of(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
+    """Logarithm of the stress of each material under the mean deformation of the sheet."""
+    F, scale = problem.observations.mean_F, problem.observations.loading.scale
+    count, steps = len(materials), F.shape[2]
+    P, _ = Points(problem.basis).stress(np.tile(F, count), np.repeat(materials.T, steps, axis=1))
+    return 0.5 * np.log(((P.reshape(2, 2, count, steps) / scale) ** 2).sum(axis=(0, 1, 3)))
