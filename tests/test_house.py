@@ -27,6 +27,9 @@ ALLOWED = {
     "identification": {"errors", "verdict", "trace", "progress", "mechanics", "fem", "data", "config"},
     "baselines": {"errors", "mechanics", "fem", "data"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
+    "prediction": {
+        *("errors", "progress", "mechanics", "fem", "data", "material", "config", "identification"),
+    },
     "polishing": {
         *("errors", "verdict", "progress", "mechanics", "networks", "fem", "data", "material", "config"),
         # The test, its equilibrium and their derivatives.
@@ -68,6 +71,7 @@ ALLOWED = {
             "pictures",
             "identification",
             "advice",
+            "prediction",
             "polishing",
             "training",
             "evaluation",
@@ -100,6 +104,7 @@ ALLOWED = {
 OWN_SECTIONS = {
     "identification": {"config.methods"},
     "advice": {"config.methods"},
+    "prediction": {"config.methods"},
     "polishing": {"config.methods"},
     "training": {"config.methods"},
     "material": {"config.methods"},
@@ -194,7 +199,7 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 @pytest.mark.parametrize(
     "name",
     [
-        *("identification", "baselines", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        *("identification", "baselines", "advice", "prediction", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
         "export",
     ],
 )

@@ -18,6 +18,7 @@ from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
 from hypernode.commands.practice import add_practice
+from hypernode.commands.predict import add_predict
 from hypernode.errors import ExpectedError
 from hypernode.installation import needs
 
@@ -187,6 +188,7 @@ COMMANDS = (
     add_explain,
     add_explore,
     add_advise,
+    add_predict,
     add_audit,
     add_verdict,
     add_schema,

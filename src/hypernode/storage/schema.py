@@ -193,6 +193,11 @@ VARIABLES = {
     "edge_force_identified": Variable(
         ("load_step", "edge", "i"), "force", "edge resultant of the sheet that is computed with the identified material"
     ),
+    "edge_force_predicted": Variable(
+        ("load_step", "edge", "i"), "force", "resultant that laws of other sheets predict; NaN where nothing holds it"
+    ),
+    "edge_force_spread": Variable(("load_step", "edge", "i"), "force", "its standard deviation"),
+    "u_spread": Variable(("load_step", "node", "i"), "length", "standard deviation of a predicted displacement"),
     "edge_force_at_measured": Variable(
         ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the measured deformation"
     ),
