@@ -27,6 +27,7 @@ ALLOWED = {
     "identification": {"errors", "verdict", "trace", "progress", "mechanics", "fem", "data", "config"},
     "baselines": {"errors", "mechanics", "fem", "data"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
+    "challenge": {"errors", "fem", "identification"},
     "prediction": {
         *("errors", "progress", "mechanics", "fem", "data", "material", "config", "identification"),
     },
@@ -72,6 +73,7 @@ ALLOWED = {
             "identification",
             "advice",
             "prediction",
+            "challenge",
             "polishing",
             "training",
             "evaluation",
@@ -91,7 +93,7 @@ ALLOWED = {
             "figures",
             "tables",
         ),
-        *("pipeline", "stages", "storage", "export", "pictures"),
+        *("pipeline", "stages", "storage", "export", "pictures", "challenge"),
     },
     "cli": {
         *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),
@@ -199,7 +201,7 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 @pytest.mark.parametrize(
     "name",
     [
-        *("identification", "baselines", "advice", "prediction", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        *("identification", "baselines", "advice", "prediction", "challenge", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
         "export",
     ],
 )

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from hypernode.commands.advise import add_advise
+from hypernode.commands.challenge import add_challenge
 from hypernode.commands.correlate import add_correlate
 from hypernode.commands.explain import add_explain
 from hypernode.commands.explore import add_explore
@@ -189,6 +190,7 @@ COMMANDS = (
     add_explore,
     add_advise,
     add_predict,
+    add_challenge,
     add_audit,
     add_verdict,
     add_schema,
