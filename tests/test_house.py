@@ -201,7 +201,19 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 @pytest.mark.parametrize(
     "name",
     [
-        *("identification", "baselines", "advice", "prediction", "challenge", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        *(
+            "identification",
+            "baselines",
+            "advice",
+            "prediction",
+            "challenge",
+            "training",
+            "evaluation",
+            "synthetic",
+            "data",
+            "fem",
+            "mechanics",
+        ),
         "export",
     ],
 )

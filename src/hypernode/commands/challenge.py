@@ -46,7 +46,9 @@ def run_challenge(arguments) -> int:
         found = run(file, pairs)
         output = arguments.output or Path(f"{file.stem}_predicted.npz")
         np.savez(output, predicted_label=found.predicted_label)
-        print(f"{file}: {_said(found)}\n" + "".join(f"  note: {each}\n" for each in found.remarks) + f"written   {output}")
+        print(
+            f"{file}: {_said(found)}\n" + "".join(f"  note: {each}\n" for each in found.remarks) + f"written   {output}"
+        )
         scores += [] if found.score is None else [found.score]
         if arguments.learn:
             if found.test.label is None:

@@ -85,7 +85,9 @@ def _forces(axes, file: xr.Dataset, edge: int, i: int) -> None:
         axes.plot(stretch, force, "-", color=MATRIX, label="predicted" if first else None)
         if "edge_force" in file and file.attrs["forces"] == "measured":
             measured = file["edge_force"].values[steps, edge, i]
-            axes.plot(stretch[1:], measured, "o", color=INCLUSION, mfc="none", ms=4, label="measured" if first else None)
+            axes.plot(
+                stretch[1:], measured, "o", color=INCLUSION, mfc="none", ms=4, label="measured" if first else None
+            )
     errors = json.loads(file.attrs["score"])["force_error"]
     said = f"\nforces up to {significant(100 * max(errors))} % off" if errors else ""
     axes.set_title("(b) force", loc="left")

@@ -118,9 +118,7 @@ def _remarks(pools: Sequence[Sequence[PhaseLaw]], F) -> list[str]:
 class _Member:
     """The prediction of one set of laws, one for each phase."""
 
-    def __init__(
-        self, problem: FieldProblem, seen, layout: Layout, laws: Sequence[PhaseLaw], progress: Progress
-    ):
+    def __init__(self, problem: FieldProblem, seen, layout: Layout, laws: Sequence[PhaseLaw], progress: Progress):
         switched, observations = problem.basis, problem.observations
         of = [switched.laws.index(law.basis) for law in laws]
         self.field = layout.field(
@@ -207,4 +205,3 @@ def _changes(field: Interfaces, layout: Layout, switched: SwitchedLaw, of, laws)
         each[:, 1] = 0.0
     changes = np.stack([by_phase[phase] for phase in layout.order])
     return changes.transpose(0, 2, 1).reshape(field.materials.size, count)
-

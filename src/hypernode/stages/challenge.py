@@ -138,7 +138,9 @@ def _at_nodes(found, stiffer: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " nod
     cells, count = found["cells"].values, found.sizes["node"]
     if "interface_distance" in found:
         labels = found["material_label"].values
-        of_material = [int(np.median(stiffer[labels == k])) if (labels == k).any() else 0 for k in range(labels.max() + 1)]
+        of_material = [
+            int(np.median(stiffer[labels == k])) if (labels == k).any() else 0 for k in range(labels.max() + 1)
+        ]
         material = np.zeros(count, int)
         for k, distance in enumerate(found["interface_distance"].values, start=1):
             material[distance > 0] = k

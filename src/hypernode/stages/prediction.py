@@ -142,8 +142,8 @@ def _layout(target: Target, measurement: xr.Dataset, count: int, problem) -> tup
         return of_picture(picture[::-1] if target.flipped else picture, count, lines, np.array(corners)), []
     if count > 1:
         raise PredictionError(
-            f"there are laws of {count} phases, and nothing says which is where: give a picture (--shape FILE), another "
-            "identification of the sheet (--lines RUN), or one law (RUN:1)"
+            f"there are laws of {count} phases, and nothing says which is where: give a picture (--shape FILE), "
+            "another identification of the sheet (--lines RUN), or one law (RUN:1)"
         )
     return one_phase(mesh), []
 
