@@ -10,7 +10,7 @@ from hypernode.cli import main
 from hypernode.config.methods import Constrained
 from hypernode.mechanics.loads import make_load
 from hypernode.stages import constrained
-from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, write
+from hypernode.storage.netcdf import EXPERIMENT_UNITS, SYNTHETIC_UNITS, read, write
 from tests.sheets import believed, observed_coarsely
 
 NOISE, CELLS, PIXELS = 2e-4, 12, 96
@@ -127,6 +127,13 @@ def test_the_figure_is_drawn_with_and_without_a_test(folder):
 
         named = [axes for axes in draw(read(output)).axes if axes.get_title(loc="left")]
         assert len(named) == panels and figure.stat().st_size > 0
+
+
+def test_laws_in_other_units_than_the_sheet_are_refused(folder, monkeypatch, capsys):
+    monkeypatch.setattr("tests.prediction.test_predict.EXPERIMENT_UNITS", SYNTHETIC_UNITS)
+    measurement(folder / "pascal.nc", bar, 5)
+    assert main(["predict", str(folder / "pascal.nc"), "--laws", f"{folder / 'run'}:1"]) == 2
+    assert "the same units" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

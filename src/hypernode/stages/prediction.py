@@ -19,7 +19,7 @@ from hypernode.prediction.layout import Layout, of_identification, of_picture, o
 from hypernode.prediction.planned import planned_test
 from hypernode.prediction.predict import Prediction, predict, problem_of
 from hypernode.prediction.score import Score, score
-from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, sha256, units_of, write
+from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.storage.schema import without_truth
 
 #: Cells along the longer side of a sheet that nobody has measured: as many as a usual grid of points has.
@@ -68,6 +68,7 @@ def run(laws: Sequence[Sequence[LawFrom]], target: Target, output: Path) -> tupl
     files = {path: read(path) for path in map(law_file, dict.fromkeys(each.path for g in laws for each in g))}
     pools = [pool for group in laws for pool in _pools(group, files)]
     measurement = _measurement(target, files.values())
+    _same_units(measurement, files)
     problem = problem_of(measurement, pools)
     layout, parents = _layout(target, measurement, len(pools), problem)
     found = predict(measurement, problem, pools, layout, output.stem)
@@ -77,6 +78,17 @@ def run(laws: Sequence[Sequence[LawFrom]], target: Target, output: Path) -> tupl
         measurement, target, pools, found, scored
     ), parents=parents)  # fmt: skip
     return found, scored
+
+
+def _same_units(measurement: xr.Dataset, files) -> None:
+    """Nothing, where laws and sheet have the same units."""
+    own = units_of(measurement)
+    for path, file in files.items():
+        if units_of(file) != own:
+            raise PredictionError(
+                f"{path}: has the units {units_of(file)}, and the sheet {own}: take laws and sheet from tests in the "
+                "same units"
+            )
 
 
 def law_file(path: Path) -> Path:
@@ -118,7 +130,8 @@ def _measurement(target: Target, files) -> xr.Dataset:
                 "no sheet is named: name its measurement.nc, or give --size, --load and --stretches of one that has "
                 "not been tested"
             )
-        return planned_test(target.size, target.load, CELLS)
+        units = next(iter(files)).attrs["units"]
+        return planned_test(target.size, target.load, CELLS).assign_attrs(units=units)
     measurement = without_truth(read(target.measurement))
     if "u_measured" not in measurement:
         raise PredictionError(f"{target.measurement}: is no measurement: name results/CASE/measurement.nc")
@@ -164,7 +177,7 @@ def _said(measurement: xr.Dataset, target: Target, pools, found: Prediction, sco
     """Attributes of the file."""
     return {
         "rule": "hypernode predict",
-        "units": units_of(measurement) if "units" in measurement.attrs else EXPERIMENT_UNITS,
+        "units": units_of(measurement),
         "thickness": float(measurement.attrs["thickness"]),
         "forces": measurement.attrs["forces"],
         "laws": [[f"{law.source}, material {law.label}" for law in pool] for pool in pools],
