@@ -60,9 +60,9 @@ class PeerSet:
     score: Callable | None
 
 
-def _measurement(path: Path, X, u, kind: str, stretch, force, outline: str) -> None:
+def _measurement(path: Path, X, u, kind: str, stretch, force, outline: str, mesh: str) -> None:
     """A noise-free test on a grid (row, column, 2): u (step, row, column, 2), forces (step, edge, 2) or None."""
-    mesh = rectilinear(X[0, :, 0], X[:, 0, 1])
+    grid = rectilinear(X[0, :, 0], X[:, 0, 1])
     steps = len(u)
     held = np.zeros((steps, 4, 2))
     for name, component in CONSTRAINED[kind]:
@@ -72,8 +72,8 @@ def _measurement(path: Path, X, u, kind: str, stretch, force, outline: str) -> N
     assumed[:, [0, 1], 0], assumed[:, [2, 3], 1] = [-1.0, 1.0], [-1.0, 1.0]
     H = np.stack([_mean_gradient(X, each) for each in u])
     variables = {
-        **{"X": mesh.nodes, "cells": mesh.cells, "corners": np.stack([mesh.lower, mesh.upper])},
-        **{"u_measured": u.reshape(1, steps, -1, 2), "relative_thickness": np.ones(len(mesh.cells)), "H": H},
+        **{"X": grid.nodes, "cells": grid.cells, "corners": np.stack([grid.lower, grid.upper])},
+        **{"u_measured": u.reshape(1, steps, -1, 2), "relative_thickness": np.ones(len(grid.cells)), "H": H},
         **{"noise_level": np.zeros((steps, 2)), "noise_scatter": np.zeros((steps, 2)), "relaxation": np.ones(steps)},
         **{"load_case": np.zeros(steps, int), "stretch": stretch, "edge_constrained": held},
         "edge_force": assumed if force is None else force,
@@ -81,7 +81,7 @@ def _measurement(path: Path, X, u, kind: str, stretch, force, outline: str) -> N
     attributes = {
         **{"noise_uncertainty": 0.0, "force_uncertainty": 0.0, "force_gain_uncertainty": 0.0},
         **{"force_offset_uncertainty": 0.0, "correlation_window": 0.0, "thickness": 1.0, "outline": outline},
-        **{"mesh": "finer", "forces": "assumed" if force is None else "measured", "units": SYNTHETIC_UNITS},
+        **{"mesh": mesh, "forces": "assumed" if force is None else "measured", "units": SYNTHETIC_UNITS},
     }
     write(path, variables, "a peer's set", attributes)
 
@@ -118,7 +118,8 @@ def smooth_field(arrays, work: Path) -> str:
     """A modulus that changes smoothly, stretched along both axes, without forces."""
     X, u = arrays["X"], arrays["u"]
     X, u, E = _upward(X, u, arrays["modulus"])
-    _measurement(work / "measurement.nc", X, u, "equibiaxial", np.full(len(u), 1.4), None, "edge")
+    # Its 51 x 51 points are the nodes of the elements that it was computed with.
+    _measurement(work / "measurement.nc", X, u, "equibiaxial", np.full(len(u), 1.4), None, "edge", "measured_grid")
     found = _stiffness(work, "smooth field")
     return f"{100.0 * _relative(found, _cells(E)):.2g} % (up to one factor; neither law nor nu told)"
 
@@ -134,7 +135,7 @@ def digit(arrays, work: Path) -> str:
     force[:, 3, 1], force[:, 2, 1] = top, -top
     # Positions are centres of pixels: the outline of the grid lies within the sheet.
     stretch = 1.0 + way[chosen] / np.ptp(X[..., 1])
-    _measurement(work / "measurement.nc", X, u[chosen], "clamped_y", stretch, force, "cut")
+    _measurement(work / "measurement.nc", X, u[chosen], "clamped_y", stretch, force, "cut", "finer")
     found, true = _stiffness(work, "digit"), _cells(E)
     middle = np.sqrt(found.min() * found.max())
     stiff, known = found > middle, true > np.sqrt(true.min() * true.max())

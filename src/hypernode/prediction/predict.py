@@ -138,11 +138,10 @@ class _Member:
 
     def _states(self):
         """(displacement, nodal forces, tangent) of every step, one after the other."""
-        problem, (of, _) = self._problem, self.field.cells()
-        materials = of.materials[of.one]
-        guesses = problem.equilibrium.extension(materials)
-        u, before = np.zeros_like(guesses[0]), np.zeros_like(guesses[0])
-        for number, (guess, boundary) in enumerate(zip(guesses, problem.observations.boundaries, strict=True)):
+        (of, _), u = self.field.cells(), np.zeros_like(self._problem.mesh.nodes)
+        before, (_, at_rest, _) = u, self._sheet.response(u, of)
+        for number, boundary in enumerate(self._problem.observations.boundaries):
+            guess = _extended(at_rest, boundary)
             reached = self._reached(u, guess - before, boundary, of)
             if reached is None:
                 raise PredictionError(
@@ -191,6 +190,13 @@ class _Member:
                 variance[e, i] = (of_laws**2).sum() / samples + ((rows @ by_edges) ** 2).sum()
         progress.advance()
         return (self._seen @ u.ravel()).reshape(-1, 2), u_variance.reshape(-1, 2), found, variance
+
+
+def _extended(K, boundary) -> np.ndarray:
+    """Prescribed displacements (node, 2), continued into the sheet by linear elasticity."""
+    free, u = boundary.free, np.where(boundary.mask, boundary.values, 0.0).ravel()
+    u[free] = -factorise(K[free][:, free]).solve((K @ u)[free])
+    return u.reshape(-1, 2)
 
 
 def _square(changes) -> np.ndarray:
