@@ -41,8 +41,8 @@ class Score:
 def score(measurement: xr.Dataset, prediction: Prediction) -> Score:
     """Compare with the test that a measurement holds.
 
-    A spread is that of the prediction and that of the measurement together: noise of displacements, and what a load
-    cell leaves open of a force, its scatter, gain and zero.
+    A spread is that of the prediction and that of the measurement together. Displacements have noise; forces have the
+    scatter, the gain and the zero of a load cell.
 
     Args:
         measurement: opened.

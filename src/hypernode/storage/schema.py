@@ -194,7 +194,7 @@ VARIABLES = {
         ("load_step", "edge", "i"), "force", "edge resultant of the sheet that is computed with the identified material"
     ),
     "edge_force_predicted": Variable(
-        ("load_step", "edge", "i"), "force", "resultant that laws of other sheets predict; NaN where nothing holds it"
+        ("load_step", "edge", "i"), "force", "resultant predicted by laws of other sheets"
     ),
     "edge_force_spread": Variable(("load_step", "edge", "i"), "force", "its standard deviation"),
     "u_spread": Variable(("load_step", "node", "i"), "length", "standard deviation of a predicted displacement"),
@@ -217,9 +217,7 @@ VARIABLES = {
         ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the identified deformation"
     ),
     "edge_force_error_identified": Variable(
-        ("load_step",),
-        "1",
-        "largest relative error of a measured resultant at the identified deformation",
+        ("load_step",), "1", "largest relative error of a measured resultant at the identified deformation"
     ),
     "equilibrium_residual_identified": Variable(
         ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces, at the identified deformation"
