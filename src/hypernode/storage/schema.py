@@ -193,9 +193,7 @@ VARIABLES = {
     "edge_force_identified": Variable(
         ("load_step", "edge", "i"), "force", "edge resultant of the sheet that is computed with the identified material"
     ),
-    "edge_force_predicted": Variable(
-        ("load_step", "edge", "i"), "force", "resultant predicted by laws of other sheets"
-    ),
+    "edge_force_predicted": Variable(("load_step", "edge", "i"), "force", "resultant by laws of other sheets"),
     "edge_force_spread": Variable(("load_step", "edge", "i"), "force", "its standard deviation"),
     "u_spread": Variable(("load_step", "node", "i"), "length", "standard deviation of a predicted displacement"),
     "edge_force_at_measured": Variable(
