@@ -27,7 +27,7 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.fem.solver import EquilibriumSolver, closed_form_stress
 from hypernode.identification.camera import window_average
 from hypernode.mechanics.loads import make_load
-from hypernode.stages.challenge import SIDE, THICKNESS, run
+from hypernode.stages.challenge import SIDE, THICKNESS, named_as, run
 from hypernode.synthetic.forward import resultants
 
 FOLDER = ROOT / ".cache" / "challenge"
@@ -116,7 +116,7 @@ def main(each: int = 2) -> None:
         stiffer, stress = phases(path)
         label, found = np.load(path)["label"], nearest_pair(mean_pairs(learned), stress)
         predicted = np.where(stiffer == 1, found.stiff, found.soft)
-        said = turned(label, predicted, 0)
+        said = turned(label, named_as(label, stiffer), 0)
         scores.append(dice(label[::-1] if upside_down(pair, n) else label, predicted))
         right.append((found.soft, found.stiff) == pair)
         note = f"; its label is said to be {said}, and is" if said else ""

@@ -256,7 +256,7 @@ def page(rows) -> str:
             for each, figure, took in rows
         ),
         "",
-        "Displacements are missed by so many times what finite elements on the grid are trusted with; 1 explains a test.",
+        "Displacements are missed by so many times what elements on the grid are trusted with; 1 explains a test.",
         "A field that misses by much more is no answer.",
         "",
         "Sheets of the 2025 Mechanical MNIST Challenge are labelled one by one:",

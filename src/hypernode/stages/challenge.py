@@ -26,7 +26,8 @@ from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, write
 
 #: Thickness of every sheet of the challenge [mm], and the method that identifies it.
 THICKNESS, METHOD = 2.0, "hypernode_printed"
-#: Stretch along both axes under which stiffnesses are compared.
+#: Stretch along the pull under which stiffnesses are compared, as of an incompressible strip: a pull tells
+#: little of what an equal stretch both ways would meet.
 STRETCH = 1.05
 
 
@@ -72,15 +73,15 @@ def run(path: Path, pairs: Sequence[PairOfMaterials] = ()) -> Labelled:
     predicted = stiffer if pair is None else np.where(stiffer == 1, pair.stiff, pair.soft)
     score = None
     if test.label is not None:
-        named = predicted if pair is not None else _named_as(test.label, stiffer)
+        named = predicted if pair is not None else named_as(test.label, stiffer)
         score = dice(test.label, named)
-        better = turned(test.label, named, test.down)
+        better = turned(test.label, named_as(test.label, stiffer), test.down)
         if better:
             remarks.append(f"the label fits what the sheet does better {better}: it may lie otherwise than the sheet")
     return Labelled(test, stiffer, stress, pair, predicted, score, remarks)
 
 
-def _named_as(label, stiffer):
+def named_as(label, stiffer):
     """Phases named after the two classes of a label, whichever way fits better."""
     classes = np.unique(label)[[0, -1]]
     both = [np.where(stiffer == 1, classes[1 - k], classes[k]) for k in (0, 1)]
@@ -129,7 +130,7 @@ def _identified(settings: Constrained, name: str, measurement: Path, output: Pat
 def _log_stiffness(found) -> Float[np.ndarray, " cell"]:
     """Logarithm of the size of the stress of every cell at :data:`STRETCH`."""
     basis, params = basis_field(found)
-    F = STRETCH * np.eye(2)[:, :, None, None] * np.ones(params.shape[1:])
+    F = np.diag([STRETCH**-0.5, STRETCH])[:, :, None, None] * np.ones(params.shape[1:])
     return np.log(np.linalg.norm(np.asarray(basis.stress(F, params)), axis=(0, 1)).mean(axis=0))
 
 
