@@ -13,7 +13,7 @@ unexport PYTHONPATH
 endif
 
 .PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
-    slurm wheel pythons docs doctest report bench next-test strangers clean
+    slurm wheel pythons docs doctest report bench next-test strangers family challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
@@ -146,6 +146,20 @@ next-test: $(VENV)/dev
 strangers: SEEDS ?= $(shell seq 1001 1024)
 strangers: $(VENV)/dev
 	$(BIN)/python -m benchmarks.strangers $(SEEDS) --cores $(CORES)
+
+# Twenty sheets of one family, of which one is identified and all others are predicted: half an hour.
+family: $(VENV)/dev
+	$(BIN)/python benchmarks/family.py
+
+# A rehearsal of the 2025 Mechanical MNIST Challenge on virtual sheets, by its own score: a quarter of an hour.
+challenge: $(VENV)/run
+	$(BIN)/python benchmarks/challenge.py
+
+# Sets that peers published, identified and scored by the peers' own measure, into docs/peers.md: ten minutes.
+# PEERS=FOLDER names the folder with those that you have.
+peers: PEERS ?= external
+peers: $(VENV)/run
+	$(BIN)/python -m benchmarks.peers $(PEERS)
 
 # Times of single steps: training, whole cases, forward problems, import, records.
 bench: $(VENV)/run

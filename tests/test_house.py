@@ -27,6 +27,10 @@ ALLOWED = {
     "identification": {"errors", "verdict", "trace", "progress", "mechanics", "fem", "data", "config"},
     "baselines": {"errors", "mechanics", "fem", "data"},
     "advice": {"errors", "progress", "mechanics", "fem", "data", "config", "identification"},
+    "challenge": {"errors", "fem", "identification"},
+    "prediction": {
+        *("errors", "progress", "mechanics", "fem", "data", "material", "config", "identification"),
+    },
     "polishing": {
         *("errors", "verdict", "progress", "mechanics", "networks", "fem", "data", "material", "config"),
         # The test, its equilibrium and their derivatives.
@@ -68,6 +72,8 @@ ALLOWED = {
             "pictures",
             "identification",
             "advice",
+            "prediction",
+            "challenge",
             "polishing",
             "training",
             "evaluation",
@@ -87,7 +93,7 @@ ALLOWED = {
             "figures",
             "tables",
         ),
-        *("pipeline", "stages", "storage", "export", "pictures"),
+        *("pipeline", "stages", "storage", "export", "pictures", "challenge"),
     },
     "cli": {
         *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),
@@ -100,6 +106,7 @@ ALLOWED = {
 OWN_SECTIONS = {
     "identification": {"config.methods"},
     "advice": {"config.methods"},
+    "prediction": {"config.methods"},
     "polishing": {"config.methods"},
     "training": {"config.methods"},
     "material": {"config.methods"},
@@ -194,7 +201,19 @@ def test_the_configuration_reads_of_other_rooms_only_names():
 @pytest.mark.parametrize(
     "name",
     [
-        *("identification", "baselines", "advice", "training", "evaluation", "synthetic", "data", "fem", "mechanics"),
+        *(
+            "identification",
+            "baselines",
+            "advice",
+            "prediction",
+            "challenge",
+            "training",
+            "evaluation",
+            "synthetic",
+            "data",
+            "fem",
+            "mechanics",
+        ),
         "export",
     ],
 )

@@ -11,6 +11,8 @@ NAVIGATION = {
             "how-to/noise",
             "how-to/read-verdicts",
             "how-to/next-test",
+            "how-to/predict",
+            "how-to/challenge",
             "how-to/export",
         ),
         *("how-to/photograph-a-sheet", "how-to/correlate-your-pictures", "how-to/resume-after-a-crash", "how-to/audit"),
@@ -21,7 +23,16 @@ NAVIGATION = {
         "glossary",
     ),
     "Background": (
-        *("how-identification-decides", "equations", "paper", "accuracy", "gallery", "decisions/index", "../CHANGELOG"),
+        *(
+            "how-identification-decides",
+            "equations",
+            "paper",
+            "accuracy",
+            "peers",
+            "gallery",
+            "decisions/index",
+            "../CHANGELOG",
+        ),
     ),
 }
 

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from hypernode.commands.advise import add_advise
+from hypernode.commands.challenge import add_challenge
 from hypernode.commands.correlate import add_correlate
 from hypernode.commands.explain import add_explain
 from hypernode.commands.explore import add_explore
@@ -18,6 +19,7 @@ from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
 from hypernode.commands.practice import add_practice
+from hypernode.commands.predict import add_predict
 from hypernode.errors import ExpectedError
 from hypernode.installation import needs
 
@@ -187,6 +189,8 @@ COMMANDS = (
     add_explain,
     add_explore,
     add_advise,
+    add_predict,
+    add_challenge,
     add_audit,
     add_verdict,
     add_schema,

@@ -123,9 +123,7 @@ VARIABLES = {
     "force_pairing_uncertainty": Variable(("load_step",), "1", "uncertainty of a force by its picture, over its size"),
     "force_relaxation_uncertainty": Variable(("load_step",), "1", "the same by what of it is a matter of time"),
     "noise_scatter": Variable(("load_step", "i"), "length", "standard deviation of a measured displacement"),
-    "noise_level": Variable(
-        ("load_step", "i"), "length", "that of independent errors which weigh as much as those that points share do"
-    ),
+    "noise_level": Variable(("load_step", "i"), "length", "that of independent errors which weigh as much as shared ones"),
     "frames_noise_scatter": Variable(
         ("load_step", "i"), "length", "noise_scatter as the frames tell it where another is stated"
     ),
@@ -194,6 +192,9 @@ VARIABLES = {
     "edge_force_identified": Variable(
         ("load_step", "edge", "i"), "force", "edge resultant of the sheet that is computed with the identified material"
     ),
+    "edge_force_predicted": Variable(("load_step", "edge", "i"), "force", "resultant by laws of other sheets"),
+    "edge_force_spread": Variable(("load_step", "edge", "i"), "force", "its standard deviation"),
+    "u_spread": Variable(("load_step", "node", "i"), "length", "standard deviation of a predicted displacement"),
     "edge_force_at_measured": Variable(
         ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the measured deformation"
     ),
@@ -213,9 +214,7 @@ VARIABLES = {
         ("load_step", "edge", "i"), "force", "edge resultant of the identified stress at the identified deformation"
     ),
     "edge_force_error_identified": Variable(
-        ("load_step",),
-        "1",
-        "largest relative error of a measured resultant at the identified deformation",
+        ("load_step",), "1", "largest relative error of a measured resultant at the identified deformation"
     ),
     "equilibrium_residual_identified": Variable(
         ("load_step",), "1", "nodal residual norm over the norm of the nodal cell forces, at the identified deformation"
