@@ -123,9 +123,7 @@ VARIABLES = {
     "force_pairing_uncertainty": Variable(("load_step",), "1", "uncertainty of a force by its picture, over its size"),
     "force_relaxation_uncertainty": Variable(("load_step",), "1", "the same by what of it is a matter of time"),
     "noise_scatter": Variable(("load_step", "i"), "length", "standard deviation of a measured displacement"),
-    "noise_level": Variable(
-        ("load_step", "i"), "length", "that of independent errors which weigh as much as shared ones"
-    ),
+    "noise_level": Variable(("load_step", "i"), "length", "that of independent errors that weigh as much as these"),
     "frames_noise_scatter": Variable(
         ("load_step", "i"), "length", "noise_scatter as the frames tell it where another is stated"
     ),
