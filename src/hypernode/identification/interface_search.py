@@ -129,6 +129,8 @@ class Search:
                 kept = found
             else:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
+                if kept is not begun:
+                    break
             # A factor in every cell leaves what more materials might explain.
             if not kept.leaves_more_than_noise or kept.fit.misfit <= stiffness.misfit:
                 break
