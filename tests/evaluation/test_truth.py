@@ -4,9 +4,10 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from hypernode.evaluation.ending import score_ending
-from hypernode.evaluation.spread import coverage, interface_spread, sample_spread
+from hypernode.evaluation.spread import coverage, interface_spread, open_share_of_lines, sample_spread
 from hypernode.evaluation.truth import (
     cell_means,
     interface_band,
@@ -96,6 +97,16 @@ def test_at_the_centre_of_a_cell_that_an_interface_cuts_anywhere_a_field_is_as_u
     error = 2.0 * share + 5.0 * (1.0 - share) - np.where(share > 0.5, 2.0, 5.0)
     assert said[(column == 2) | (column == 3)] == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.01)
     assert not interface_spread(mesh, np.zeros_like(phase), field).any()
+
+
+def test_a_centre_is_open_where_its_line_may_be_on_either_side():
+    """Half on the line itself, and 2.3 % two standard deviations away from it."""
+    cells = np.arange(12).reshape(3, 4)
+    distance = np.repeat([0.0, 0.1, 3.0], 4)[None]
+    lines = xr.Dataset({"interface_distance": (("interface", "node"), distance), "cells": (("cell", "vertex"), cells)})
+    odds = np.array([0.5, 0.02275, 0.0])
+    found = open_share_of_lines(lines.assign_attrs(line_error=0.05))
+    np.testing.assert_allclose(found, odds * (1.0 - odds), atol=1e-5)
 
 
 def test_how_a_descent_ended_is_copied_and_never_guessed():

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 #: Hours, minutes and seconds, with a date in front or without, in one run of digits or in several.
 _CLOCK = re.compile(
     r"(?P<date>(?:19|20)\d{2}[-_.]?(?:0[1-9]|1[0-2])[-_.]?(?:0[1-9]|[12]\d|3[01])[-_ T.]{0,3})?"
-    r"(?<!\d)(?P<h>[01]\d|2[0-3])(?P<sign>[-_.:h]?)(?P<m>[0-5]\d)[-_.:m]?(?P<s>[0-5]\d)(?P<part>(?:[.,_-]|(?=\d))\d{1,6})?s?(?!\d)"
+    r"(?<!\d)(?P<h>[01]\d|2[0-3])(?P<sign>[-_.:h]?)(?P<m>[0-5]\d)(?P<other>[-_.:m]?)(?P<s>[0-5]\d)(?P<part>(?:[.,_-]|(?=\d))\d{1,6})?s?(?!\d)"
 )
 _GLUED = re.compile(
-    r"(?<!\d)(?P<date>(?:19|20)\d{2}(?:0[1-9]|1[0-2])(?:0[1-9]|[12]\d|3[01]))(?P<h>[01]\d|2[0-3])(?P<sign>)(?P<m>[0-5]\d)"
+    r"(?<!\d)(?P<date>(?:19|20)\d{2}(?:0[1-9]|1[0-2])(?:0[1-9]|[12]\d|3[01]))(?P<h>[01]\d|2[0-3])(?P<sign>)(?P<m>[0-5]\d)(?P<other>)"
     r"(?P<s>[0-5]\d)(?P<part>\d{1,6})?(?!\d)"
 )
 _DAY = 86400.0
@@ -20,14 +20,14 @@ _SPARSE = 0.75
 def times_of(names: Sequence[str]) -> list[float] | None:
     """Seconds since midnight of the first day that each name says; None where names are no clock times.
 
-    A run of six digits is one only where a date stands before it, or where as a counter it would leave gaps at the ends
-    of minutes.
+    A run of six digits, or of two and four, is one only where a date stands before it, or where as a counter it would
+    leave gaps at the ends of minutes.
     """
     for pattern in (_GLUED, _CLOCK):
         found = [_last(pattern, name) for name in names]
         if all(found) and len({pattern.sub("#", name) for name in names}) == 1:
             times = [_seconds(each) for each in found]
-            certain = found[0]["date"] or found[0]["sign"] or _skips_like_a_clock(names, times)
+            certain = found[0]["date"] or (found[0]["sign"] and found[0]["other"]) or _skips_like_a_clock(names, times)
             if len(set(times)) == len(times) > 1 and certain:
                 return _over_midnight(times)
     return None

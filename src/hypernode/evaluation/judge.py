@@ -27,7 +27,7 @@ from hypernode.evaluation.probes import indicator, stress_at_common_F
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
-from hypernode.evaluation.spread import Samples, interface_spread, score_spread
+from hypernode.evaluation.spread import Samples, score_spread, spread_of_cut_cells
 from hypernode.evaluation.truth import cell_means, observed_mode, score_networks, score_stress
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.material.files import material_of, nearest_cell
@@ -93,7 +93,8 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     if budget is not None:
         judged |= Judgement(summary={"level_uncertainty": budget.level})
     if samples is not None:
-        cut = 0.0 if is_on_its_own_grid(measurement) else interface_spread(mesh, phases.variables["phase_found"], field)
+        found_phase = phases.variables["phase_found"]
+        cut = 0.0 if is_on_its_own_grid(measurement) else spread_of_cut_cells(mesh, found_phase, field, constrained)
         # Samples know the errors of the load cell, and not what is beside the points.
         beside = 0.0 if budget is None else budget.of(SHARE).level * np.abs(field)
         true_field = None if true is None else indicator(true, mesh.centres, kind, stretch)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.stats
 import xarray as xr
 from jaxtyping import Float, Int
 
@@ -50,18 +51,23 @@ class Samples:
 
 
 def interface_spread(
-    mesh: Mesh, phase: Int[np.ndarray, " cell"], field: Float[np.ndarray, " cell"]
+    mesh: Mesh,
+    phase: Int[np.ndarray, " cell"],
+    field: Float[np.ndarray, " cell"],
+    open_share: Float[np.ndarray, " cell"] | float = 1.0 / 12.0,
 ) -> Float[np.ndarray, " cell"]:
     """Standard deviation of a field at the centre of a cell that an interface may cut, zero in all other cells.
 
     Cells on both sides of a contour may be cut. What is found of a cut cell is the mean over its two parts; at its
     centre is one or the other. Where all shares of the parts are equally likely, the two differ by the jump over the
-    root of twelve, root mean square. The jump is that between the medians of the phases.
+    root of twelve, root mean square. The jump is that between the medians of the phases. Where lines are known,
+    :func:`open_share_of_lines` says how far each cell is open.
 
     Args:
         mesh: cells of the measured grid.
         phase: number of the phase of each cell.
         field: what jumps between them.
+        open_share: mean square of what is open at the centre of a cell, over the square of the jump.
     """
     pairs = mesh.touching()
     _, number = np.unique(phase, return_inverse=True)
@@ -69,7 +75,35 @@ def interface_spread(
     jump = np.abs(typical[number[pairs[:, 0]]] - typical[number[pairs[:, 1]]])
     largest = np.zeros(len(phase))
     np.maximum.at(largest, pairs.ravel(), np.repeat(jump, 2))
-    return largest / np.sqrt(12.0)
+    return largest * np.sqrt(open_share)
+
+
+def spread_of_cut_cells(
+    mesh: Mesh,
+    phase: Int[np.ndarray, " cell"],
+    field: Float[np.ndarray, " cell"],
+    constrained: xr.Dataset | None,
+) -> Float[np.ndarray, " cell"]:
+    """:func:`interface_spread`, by the lines of a constrained field where it has them.
+
+    Args:
+        mesh, phase, field: as of :func:`interface_spread`.
+        constrained: opened file of the field, None where there is none.
+    """
+    if constrained is None or "interface_distance" not in constrained:
+        return interface_spread(mesh, phase, field)
+    return interface_spread(mesh, constrained["material_label"].values, field, open_share_of_lines(constrained))
+
+
+def open_share_of_lines(constrained: xr.Dataset) -> Float[np.ndarray, " cell"]:
+    """p (1 - p) for the odds p that the centre of a cell is on the other side of the line that is nearest to it.
+
+    The place of a line is normal about where it was found.
+    """
+    corners = constrained["interface_distance"].values[:, constrained["cells"].values]
+    nearest = np.abs(corners.mean(axis=2)).min(axis=0)
+    odds = scipy.stats.norm.sf(nearest / max(float(constrained.attrs["line_error"]), np.finfo(float).tiny))
+    return odds * (1.0 - odds)
 
 
 def score_spread(

@@ -22,8 +22,8 @@ from hypernode.identification.window_error import changed_by_window, told_errors
 from hypernode.trace import Trial
 
 #: Steps of the last descent, which begins where the search ended.
-STEPS = 4
-#: Ratio of what is left to the believed noise beyond which that is told anew.
+STEPS = 8
+#: Ratio of what is left to the believed noise, or the other way round, beyond which that is told anew.
 NOISE_KNOWN = 1.1
 
 
@@ -62,24 +62,25 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     step, measurement, steps = SeenTest(final.problem, []).step, trials.measurement, final.fit.steps
     side, kernel = correlation_window(measurement)
     side, error = (final.fit.window * step, final.fit.window_error * step) if finds_window else (side, 0.0)
-    changed = changed_by_window(observations.grid, observations.u[steps], side, kernel)
+    # Without a window, what is left beside lines is of finite elements as large as the grid's step.
+    changed = changed_by_window(observations.grid, observations.u[steps], max(side, step), kernel)
     boundaries = [observations.boundaries[k] for k in steps]
     residuals = [
         sigma * b.relative * white[: len(b.seen)] for white, b in zip(final.fit.white, boundaries, strict=True)
     ]
     near = [each.ravel()[b.observed] for each, b in zip(changed, boundaries, strict=True)]
-    level, texture = told_errors(np.concatenate(residuals), np.concatenate(near))
-    level = level / sigma * left.level / final.fit.misfit
-    floor = 0.0
-    if level > NOISE_KNOWN and displacement_noise(measurement) > 0.0 and not left.alike:
+    level, share = told_errors(np.concatenate(residuals), np.concatenate(near))
+    level = level / (sigma * observations.scatter) * left.level / final.fit.misfit
+    told = max(level, 1.0 / level) > NOISE_KNOWN and not left.alike
+    if told and displacement_noise(measurement) > 0.0:
         believed = BelievedNoise.read(measurement.attrs)
         trials.believe(dataclasses.replace(believed, factor=believed.factor * level).of(measurement))
-    elif level > NOISE_KNOWN:
-        trusted = trials.strategy.description_error(False, final.subcells, len(observations.grid.cells))
-        floor = min(sigma * float(np.sqrt(level**2 - 1.0)), trusted * float(np.abs(observations.u).max()))
     if side > 0.0 and window_uncertainty(measurement) > 0.0:
-        trials.believe(BelievedWindow(side, error, texture).of(trials.measurement))
-    return floor
+        trials.believe(BelievedWindow(side, error, share).of(trials.measurement))
+        return 0.0
+    trusted = trials.strategy.description_error(False, final.subcells, len(observations.grid.cells))
+    size = float(np.sqrt(np.mean(changed**2)))
+    return min(share * size, trusted * float(np.abs(observations.u).max())) if final.fit.field.distances.size else 0.0
 
 
 def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> InterfaceEstimate:

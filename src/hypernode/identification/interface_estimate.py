@@ -100,8 +100,29 @@ class InterfaceEstimate(Estimate):
         mean[..., cut] -= points.stress(flat, centre)[0].reshape(2, 2, steps, -1)
         return np.moveaxis(mean, (0, 1), (2, 3))
 
+    @property
+    def line_error(self) -> float:
+        """Standard deviation of the place of a line, in sides of a cell, root mean square; none without lines."""
+        first, count = self.field.materials.size, sum(move.shape[1] for move in self.moves)
+        half, of_lines = self._half_covariance, np.isin(np.flatnonzero(self.going), np.arange(first, first + count))
+        return float(np.sqrt((half[of_lines] ** 2).sum(axis=1).mean())) if of_lines.any() else 0.0
+
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
-        """Fields that the test tells as little from this one as what it leaves allows, to first order; lines stay.
+        """Fields that the test tells as little from this one as what it leaves allows, to first order; lines stay."""
+        half = self._half_covariance
+        change = np.zeros((len(self.going), count))
+        change[np.flatnonzero(self.going)] = half @ np.random.default_rng(seed).normal(size=(half.shape[1], count))
+        materials = self.field.materials
+        moved = self.understated * change[: materials.size].reshape(*materials.shape, count)
+        samples = (materials[:, :, None] + moved)[self.labels]
+        if (splines := self.field.lines.splines) is not None:
+            gradual = change[len(change) - len(self.field.gradual) :]
+            samples[:, 0] += splines.grid @ (self.field.gradual[:, None] + self.understated * gradual)
+        return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
+
+    @functools.cached_property
+    def _half_covariance(self):
+        """A factor of the covariance of the numbers that may change: it times its transpose.
 
         The inverse curvature, with displacements as uncertain as what is left of them is large and shared: that of a
         wrong weight is the sandwich of Huber (The behavior of maximum likelihood estimates under nonstandard
@@ -112,16 +133,7 @@ class InterfaceEstimate(Estimate):
         H = (G_u + G_f + held)[np.ix_(going, going)]
         spread = (self.left.level**2 * self.left.inflation * G_u + G_f + held)[np.ix_(going, going)]
         values, vectors = np.linalg.eigh(spread)
-        draws = np.random.default_rng(seed).normal(size=(len(going), count))
-        change = np.zeros((len(self.going), count))
-        change[going] = np.linalg.solve(H, vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * draws))
-        materials = self.field.materials
-        moved = self.understated * change[: materials.size].reshape(*materials.shape, count)
-        samples = (materials[:, :, None] + moved)[self.labels]
-        if (splines := self.field.lines.splines) is not None:
-            gradual = change[len(change) - len(self.field.gradual) :]
-            samples[:, 0] += splines.grid @ (self.field.gradual[:, None] + self.understated * gradual)
-        return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
+        return np.linalg.solve(H, vectors * np.sqrt(np.maximum(values, 0.0)))
 
     @functools.cached_property
     def _curvatures(self):

@@ -30,7 +30,7 @@ from hypernode.fem.transfer import transfer
 from hypernode.identification.boundary import ROUNDING, Boundary, boundary_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
-from hypernode.identification.window_error import window_errors
+from hypernode.identification.window_error import window_errors, with_errors_of_elements
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,9 @@ class Observations:
         return replace(self, loading=self.loading.of_steps(steps), u=self.u[steps], boundaries=boundaries)
 
 
-def observe(measurement, subcells: int, strategy: Strategy, floor: float | None = None) -> Observations:
+def observe(
+    measurement, subcells: int, strategy: Strategy, floor: float | None = None, at_lines: bool = False
+) -> Observations:
     """The observations of an opened measurement.
 
     Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
@@ -99,6 +101,7 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     Args:
         subcells: rows and columns into which every measured cell is divided.
         floor: error of the description by finite elements, where it is known from what they left of a misfit.
+        at_lines: whether that error is where displacements bend, as beside lines, and not the same everywhere.
     """
     grid = mesh_of(measurement)
     refinement = refine(grid, subcells)
@@ -122,6 +125,8 @@ def observe(measurement, subcells: int, strategy: Strategy, floor: float | None 
     beside = floor if told or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
     error, weighed = window_errors(measurement, grid, u, not believed_noise.shared_by_none)
+    if at_lines:
+        error, weighed, beside = *with_errors_of_elements(error, weighed, grid, u, beside), 0.0
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)

@@ -177,6 +177,7 @@ def field_problem(
     subcells: int = 1,
     strategy: Strategy = STRATEGY,
     floor: float | None = None,
+    at_lines: bool = False,
 ) -> FieldProblem:
     """The problem of a measurement: its observations, the homogeneous fit, and forces as certain as the load cell is.
 
@@ -184,9 +185,9 @@ def field_problem(
         measurement: an opened measurement.
         settings: configuration of the stage.
         subcells: rows and columns into which every measured cell is divided.
-        floor: error of the description by finite elements; see :func:`observe`.
+        floor, at_lines: error of the description by finite elements; see :func:`observe`.
     """
-    observations = observe(measurement, subcells, strategy, floor)
+    observations = observe(measurement, subcells, strategy, floor, at_lines)
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
     equilibrium = FieldEquilibrium.of(observations, basis, strategy)
@@ -209,14 +210,15 @@ def problem_of_basis(
     subcells: int = 1,
     strategy: Strategy = STRATEGY,
     floor: float | None = None,
+    at_lines: bool = False,
 ) -> FieldProblem:
     """The problem of a measurement whose material is known in terms of a law: nothing is fitted.
 
     Args:
-        measurement, settings, subcells, strategy, floor: as of :func:`field_problem`.
+        measurement, settings, subcells, strategy, floor, at_lines: as of :func:`field_problem`.
         basis: the law; a convex basis has the scale of the identification that made the field.
     """
-    observations = observe(measurement, subcells, strategy, floor)
+    observations = observe(measurement, subcells, strategy, floor, at_lines)
     equilibrium = FieldEquilibrium.of(observations, basis, strategy)
     forces = _forces(measurement, observations, settings, strategy)
     return FieldProblem(observations, basis, equilibrium, None, forces, strategy)

@@ -43,14 +43,16 @@ class Trials:
         Args:
             terms: of the law.
             subcells: rows and columns into which every cell of the grid is divided.
-            floor: what finite elements miss of the displacements, beside their noise.
+            floor: what finite elements miss of the displacements beside lines, beside their noise.
         """
         key = tuple(terms), subcells, floor
         if key not in self._problems:
             settings = self.settings.model_copy(update={"terms": list(terms)})
             largest = float(np.nanmax(np.abs(self.measurement["u_measured"].values)))
             least = self.strategy.same_grid_floor * largest
-            self._problems[key] = field_problem(self.measurement, settings, subcells, self.strategy, max(floor, least))
+            self._problems[key] = field_problem(
+                self.measurement, settings, subcells, self.strategy, max(floor, least), at_lines=floor > 0.0
+            )
         return self._problems[key]
 
     def with_term(self, candidate: Candidate, term: str) -> FieldProblem:

@@ -50,6 +50,28 @@ def window_errors(
     return error, error * (_weight(grid, window, len(u)) if shared and window > 0.0 else 1.0)
 
 
+def with_errors_of_elements(error, weighed, grid: Mesh, u: Float[np.ndarray, "step node 2"], size: float):
+    """The errors of :func:`window_errors`, beside those that finite elements make where displacements bend.
+
+    Elements are as wrong as what a mean over one of them changes. They are so in every step.
+
+    Args:
+        size: root mean square of the errors of elements.
+    """
+    side = grid_step(grid)
+    changed = changed_by_window(grid, u, side, "average")
+    mean = float(np.sqrt(np.mean(changed**2)))
+    if mean == 0.0:
+        return error, weighed
+    own = size / mean * changed
+    return np.hypot(error, own), np.hypot(weighed, own * _weight(grid, side, len(u)))
+
+
+def grid_step(grid: Mesh) -> float:
+    """Usual distance between points of a grid."""
+    return float(np.median(np.concatenate([np.diff(line) for line in grid.lines])))
+
+
 def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarray, " point"]) -> tuple[float, float]:
     """(level of the noise, share of what the window changes), the likeliest for what a field leaves.
 

@@ -67,6 +67,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "noise_rules_displacements": problem.noisy,
             "materials": found.material_count,
             "layered": found.layered,
+            **({"line_error": found.line_error} if found.layered else {}),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
