@@ -136,6 +136,8 @@ class Search:
                 break
         if first and (kept.leaves_more_than_noise or kept.fit.field.count > 2):
             kept = self._gradual(begun, known.changing(stiffness.factor), u, kept)
+        if len(kept.fit.field.gradual):
+            return kept
         if first and kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
             say("constrained", trials.name, "few materials leave far more than a factor in every cell")
             return None
