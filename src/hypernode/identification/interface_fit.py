@@ -8,7 +8,6 @@ their noise.
 import dataclasses
 
 import numpy as np
-import scipy.sparse
 
 from hypernode.identification.interface_noise import Left, left_of
 from hypernode.identification.interface_numbers import UNKNOWN, Derivatives, Numbers, numbers_of
@@ -85,9 +84,7 @@ class InterfaceFit:
 
     def moves(self, field: Interfaces) -> list:
         """How the distances from each line follow when its points move."""
-        if self._moves:
-            return field.moves(REACH)
-        return [scipy.sparse.csr_matrix((len(distance), 0)) for distance in field.distances]
+        return field.moves(REACH) if self._moves else field.still
 
     def _numbers(self, field: Interfaces, moves=None) -> Numbers:
         window = self.test.window if self._finds else None

@@ -121,6 +121,11 @@ class Interfaces:
         """
         return [self.lines.grid.along(distance, reach, self.lines.apart) for distance in self.distances]
 
+    @property
+    def still(self) -> list[scipy.sparse.csr_matrix]:
+        """Moves of lines that stay."""
+        return [scipy.sparse.csr_matrix((len(distance), 0)) for distance in self.distances]
+
     def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
         of, cuts = self.cells()

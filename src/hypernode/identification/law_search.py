@@ -11,7 +11,7 @@ from hypernode.identification.trials import Trials
 
 #: Steps of a descent at most: of a law alone, of lines that follow it.
 LAW_STEPS, LINE_STEPS = 6, 8
-#: How many of the terms that may join are tried, those first that promise most.
+#: How many of the terms that may join are tried where noise is left, those first that promise most.
 TERMS_TRIED = 2
 #: Terms that say more of another one.
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
@@ -31,11 +31,14 @@ class LawSearch:
     def end(self, kept: Candidate) -> Candidate:
         """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
 
-        The term that promises most is tried, and the second where that one does not pay.
+        The term that promises most is tried first. Of the others the second is tried where that one does not pay, and
+        all of them where more than noise is left.
         """
         trials = self._trials
         while True:
-            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))[:TERMS_TRIED]
+            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))
+            # Where lines and materials leave deformation, one step is too short to say what a term explains.
+            promising = promising if kept.misses_deformation else promising[:TERMS_TRIED]
             paid = None
             for term in promising:
                 found = self._with(kept, term)

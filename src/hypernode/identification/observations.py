@@ -103,20 +103,15 @@ def observe(
         floor: error of the description by finite elements, where it is known from what they left of a misfit.
         at_lines: whether that error is where displacements bend, as beside lines, and not the same everywhere.
     """
-    grid = mesh_of(measurement)
-    refinement = refine(grid, subcells)
-    measured = measured_displacement(measurement)
-    u = filled(grid, measured)
-    noise = displacement_noise(measurement)
+    grid, measured = mesh_of(measurement), measured_displacement(measurement)
+    refinement, u, noise = refine(grid, subcells), filled(grid, measured), displacement_noise(measurement)
     own_grid, information = is_on_its_own_grid(measurement), information_of(measurement)
     believed_noise = BelievedNoise.read(measurement.attrs)
+    told, cut = own_grid or floor is not None, is_cut_out(measurement)
     # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
-    in_doubt = floor is None and subcells == 1 and not own_grid and information is None
-    rules = strategy.noise_rules if in_doubt else 1.0
-    told = own_grid or floor is not None
+    rules = 1.0 if told or subcells > 1 or information is not None else strategy.noise_rules
     if floor is None:
         floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
-    cut = is_cut_out(measurement)
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     seen = seen_points(refinement, *correlation_window(measurement))
     levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)

@@ -172,8 +172,7 @@ class _Member:
         u, force, K = state
         free, factor = boundary.free, factorise(K[boundary.free][:, boundary.free])
         of, _ = self.field.cells()
-        near = [np.zeros(0, int) for _ in self.field.distances]
-        load = self.field.loads(self._sheet.response(u, of, True)[2], near) @ self._changes
+        load = self.field.loads(self._sheet.response(u, of, True)[2], self.field.still) @ self._changes
         by_laws = np.zeros((u.size, load.shape[1]))
         by_laws[free] = -factor.solve(load[free])
         by_edges = boundary.errors.toarray()
