@@ -22,7 +22,7 @@ from hypernode.identification.window_error import changed_by_window, told_errors
 from hypernode.trace import Trial
 
 #: Steps of the last descent, which begins where the search ended.
-STEPS = 8
+STEPS = 12
 #: Ratio of what is left to the believed noise, or the other way round, beyond which that is told anew.
 NOISE_KNOWN = 1.1
 
