@@ -43,6 +43,8 @@ STEPS, FINER_STEPS = 15, 8
 ROUNDS = 2
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
+#: Misfit of displacements over their noise of which three quarters of the squares are no noise.
+MOSTLY_NO_NOISE = 2.0
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
 NOT_MADE_OF_FEW = 3.0
 
@@ -67,7 +69,9 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     if not (sought and searched):
         return None
     found = Search(measurement, settings, name, strategy).end()
-    return None if found is None or found.unexplained > 1.0 else found
+    if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
+        return None
+    return found
 
 
 class Search:
