@@ -1,15 +1,19 @@
 """A sheet of a few materials and lines: what it is made of is found, and why is recorded."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.interface_search import Search, of_parts
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.law_search import turned
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
+from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely
 
@@ -150,3 +154,12 @@ def test_a_window_that_nobody_stated_is_found():
     assert abs(believed_window.side - window) < 3.0 * believed_window.error
     assert believed_window.side == pytest.approx(window, rel=0.15)
     assert found.material_count == 2
+
+
+def test_fibres_may_begin_in_four_directions_and_other_terms_in_one_way():
+    problem = SimpleNamespace(basis=ConvexBasis(("fibre",), 0.5))
+    begun = np.tile(problem.basis.start, (2, 1))
+    four = turned(begun, problem, "fibre")
+    vectors = np.array([each[0, 1:3] for each in four])
+    assert len(four) == 4 and np.allclose(np.hypot(*vectors.T), 0.1) and np.allclose(vectors.sum(axis=0), 0.0)
+    assert [each is begun for each in turned(begun, problem, "I2")] == [True]

@@ -4,13 +4,15 @@ import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interface_fit import InterfaceFit
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 #: Steps of a descent at most: of a law alone, of lines that follow it.
-LAW_STEPS, LINE_STEPS = 6, 8
+LAW_STEPS, LINE_STEPS = 8, 8
 #: How many of the terms that may join are tried where noise is left, those first that promise most.
 TERMS_TRIED = 2
 #: Terms that say more of another one.
@@ -36,12 +38,13 @@ class LawSearch:
         """
         trials = self._trials
         while True:
-            promising = sorted(self._open(kept), key=lambda term: self._predicted(kept, term))
+            promises = {term: self._promise(kept, term) for term in self._open(kept)}
+            promising = sorted(promises, key=lambda term: promises[term][0])
             # Where lines and materials leave deformation, one step is too short to say what a term explains.
             promising = promising if kept.misses_deformation else promising[:TERMS_TRIED]
             paid = None
             for term in promising:
-                found = self._with(kept, term)
+                found = self._with(kept, term, promises[term][1])
                 if found is None:
                     continue
                 gain = found.gain_over(kept)
@@ -54,15 +57,21 @@ class LawSearch:
                 return kept
             kept = self._lines_again(paid)
 
-    def _predicted(self, kept: Candidate, term: str) -> float:
-        """The score that a term promises: of one step of the materials, lines as they are."""
+    def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
+        """(the score that a term promises by one step of the materials, the field from which that step goes).
+
+        Fibres go from the direction that promises most: along the one where they begin, they cannot turn.
+        """
         problem = self._trials.with_term(kept, term)
-        field = kept.fit.field.with_law(_translated(kept, problem))
         left = kept.fit.left
         sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
         descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
-        cost = descent.predicted(field, [kept.u[k] for k in self._steps], sigma)
-        return cost + 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
+        begun, guesses = _translated(kept, problem), [kept.u[k] for k in self._steps]
+        fields = [kept.fit.field.with_law(each) for each in turned(begun, problem, term)]
+        costs = [descent.predicted(field, guesses, sigma) for field in fields]
+        best = int(np.argmin(costs))
+        price = 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
+        return costs[best] + price, fields[best]
 
     def _lines_again(self, kept: Candidate) -> Candidate:
         """Lines that follow another law."""
@@ -75,11 +84,9 @@ class LawSearch:
         )
         return found or kept
 
-    def _with(self, kept: Candidate, term: str) -> Candidate | None:
-        """The same lines between materials of a law with one term more."""
-        problem = self._trials.with_term(kept, term)
-        field = kept.fit.field.with_law(_translated(kept, problem))
-        window = kept.fit.window
+    def _with(self, kept: Candidate, term: str, field: Interfaces) -> Candidate | None:
+        """The same lines between materials of a law with one term more, from a field that has it."""
+        problem, window = self._trials.with_term(kept, term), kept.fit.window
         return self._trials.descend(
             f"with {term}", kept, problem, field, kept.u, self._steps, LAW_STEPS, window, move_lines=False
         )
@@ -89,6 +96,18 @@ class LawSearch:
         settings = self._trials.settings
         every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
         return [term for term in every if term not in kept.terms and BELONGS.get(term, term) in (*kept.terms, term)]
+
+
+def turned(materials: np.ndarray, problem: FieldProblem, term: str) -> list[np.ndarray]:
+    """Materials from which a term may begin: with fibres in four directions, else these alone."""
+    if term != "fibre":
+        return [materials]
+    columns, found = [problem.basis.names.index(name) for name in FIBRE_VECTOR], []
+    for doubled in np.arange(4) * np.pi / 2.0:
+        turned = materials.copy()
+        turned[:, columns] = np.hypot(*materials[0, columns]) * np.array([np.cos(doubled), np.sin(doubled)])
+        found.append(turned)
+    return found
 
 
 def _translated(found: Candidate, problem: FieldProblem) -> np.ndarray:
