@@ -63,7 +63,9 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     side, kernel = correlation_window(measurement)
     side, error = (final.fit.window * step, final.fit.window_error * step) if finds_window else (side, 0.0)
     # Without a window, what is left beside lines is of finite elements as large as the grid's step.
-    changed = changed_by_window(observations.grid, observations.u[steps], max(side, step), kernel)
+    # Of the field's own displacements: a mean over a window changes noise as well.
+    u = np.stack([state[0][final.problem.refinement.nodes] for state in final.fit.states])
+    changed = changed_by_window(observations.grid, u, max(side, step), kernel)
     boundaries = [observations.boundaries[k] for k in steps]
     residuals = [
         sigma * b.relative * white[: len(b.seen)] for white, b in zip(final.fit.white, boundaries, strict=True)
