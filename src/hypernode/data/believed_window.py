@@ -27,7 +27,7 @@ class BelievedWindow:
     texture: float
 
     def of(self, measurement: xr.Dataset) -> xr.Dataset:
-        """The measurement with this window in place of none.
+        """The measurement as seen through this window.
 
         What the mean over a window changes grows with the square of its side, and is uncertain by that besides.
         """

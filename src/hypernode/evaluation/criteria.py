@@ -85,9 +85,7 @@ def _displacements(summary, constrained, settings: Settings) -> Criterion:
         return judged
     if believed.factor < 1.0:
         sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
-        # A field of cells may have taken up noise; few materials cannot.
-        level = Level.PASSED if int(constrained.attrs.get("materials", 0)) else Level.WARNED
-        return Criterion(name, level, sentence, believed.factor, settings.misfit_low)
+        return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
     if believed.source is NoiseSource.FRAMES:
         sentence = (
             "The noise is not as stated, as frames and field agree; the field was identified with what they tell."

@@ -27,9 +27,9 @@ class Settings:
     window_known: float = 0.1
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
-    #: Share of the sheet in which displacements are not explained. Finite elements miss a few cells at the corners of
-    #: clamps and at the ends of lines: less than a twentieth. What is not explained in a quarter is not a place.
-    places: Threshold = Threshold(0.05, 0.25)
+    #: Share of the sheet in which displacements are not explained: chance makes none, and what is not explained in a
+    #: quarter of the sheet is not a place.
+    places: Threshold = Threshold(0.0, 0.25)
     #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
     outliers: Threshold = Threshold(0.01, 0.10)
     #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.
@@ -46,8 +46,9 @@ class Settings:
     #: Standard deviation of the stiffness over itself: phases that differ by a fifth are then two of them apart, and
     #: zero stiffness is.
     spread: Threshold = Threshold(0.10, 0.50)
-    #: Standard uncertainty of the level of the stress: as of the stiffness, two of it are a fifth, and two are a half.
-    level: Threshold = Threshold(0.10, 0.25)
+    #: Standard uncertainty of the level of the stress: two of it are a tenth, more than phases that count differ by,
+    #: and a half.
+    level: Threshold = Threshold(0.05, 0.25)
 
 
 SETTINGS = Settings()

@@ -12,7 +12,7 @@ from hypernode.identification.candidate import Candidate
 from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interface_numbers import HELD, held_of
+from hypernode.identification.interface_numbers import HELD, bends_of, held_of
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.objective import Objective
 from hypernode.identification.regulariser import JumpCost
@@ -113,7 +113,7 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         moves=moves,
         going=going,
         # Where neither data nor bends say anything of a distance, it is known to some cells.
-        held=held_of(fit.field, moves, trials.strategy.ridge) + scipy.sparse.diags(unknown),
+        held=held_of(fit.field, bends_of(fit.field, moves), trials.strategy.ridge) + scipy.sparse.diags(unknown),
         left=fit.left,
         scored=score,
     )

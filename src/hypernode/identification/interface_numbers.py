@@ -85,15 +85,14 @@ def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Fl
     return found
 
 
-def held_of(field: Interfaces, moves, ridge: float) -> scipy.sparse.csr_matrix:
+def held_of(field: Interfaces, bends, ridge: float) -> scipy.sparse.csr_matrix:
     """Inverse covariance of materials and moves without data.
 
     Args:
-        moves: how the distances from each line follow when its points move.
+        bends: of :func:`bends_of`.
         ridge: inverse variance of a parameter of a material.
     """
-    of_lines = [change.T @ change for change, _ in bends_of(field, moves)]
-    blocks = [ridge * scipy.sparse.identity(field.materials.size), *of_lines]
+    blocks = [ridge * scipy.sparse.identity(field.materials.size), *(change.T @ change for change, _ in bends)]
     if field.lines.splines is not None:
         blocks.append(field.lines.splines.held)
     return scipy.sparse.block_diag(blocks, format="csr")
@@ -102,7 +101,8 @@ def held_of(field: Interfaces, moves, ridge: float) -> scipy.sparse.csr_matrix:
 def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | None) -> Numbers:
     """The numbers of a field, and the side of the window as the last where it is one."""
     strategy, law = problem.strategy, problem.basis
-    y, held, bends = field.numbers(moves), held_of(field, moves, strategy.ridge), bends_of(field, moves)
+    y, bends = field.numbers(moves), bends_of(field, moves)
+    held = held_of(field, bends, strategy.ridge)
     centre = np.zeros(len(law.names))
     centre[0] = problem.homogeneous.params[0]
     centre = np.tile(centre, field.count)

@@ -77,28 +77,27 @@ class Interfaces:
     def cells(self) -> tuple[CellMaterials, Cuts]:
         """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
         distances = [self.lines.between @ distance for distance in self.distances]
-        return self._cells(self.lines.fine, distances, self._factor("fine"))
+        return self._cells(self.lines.fine, distances, self._log_factor("fine"))
 
     def grid_cells(self) -> CellMaterials:
         """What every cell of the measured grid is of."""
-        return self._cells(self.lines.grid, self.distances, self._factor("grid"))[0]
+        return self._cells(self.lines.grid, self.distances, self.grid_factor())[0]
 
     def grid_factor(self) -> Float[np.ndarray, " cell"]:
         """Logarithm of the factor of every cell of the measured grid."""
-        return np.log(self._factor("grid"))
+        return self._log_factor("grid")
 
-    def _factor(self, mesh: str) -> Float[np.ndarray, " cell"]:
-        splines = self.lines.splines
-        if splines is None:
-            return np.ones(len(getattr(self.lines, mesh).mesh.cells))
-        return np.exp(getattr(splines, mesh) @ self.gradual)
+    def _log_factor(self, mesh: str) -> Float[np.ndarray, " cell"]:
+        if self.lines.splines is None:
+            return np.zeros(len(getattr(self.lines, mesh).mesh.cells))
+        return getattr(self.lines.splines, mesh) @ self.gradual
 
-    def _cells(self, contours: ContourLines, distances, factor):
+    def _cells(self, contours: ContourLines, distances, log_factor):
         base, low, up = laid(contours, distances)
         cut = np.flatnonzero(up.line >= 0)
         once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
         pieces, cuts = layers_of(base, low, up, once, twice)
-        return CellMaterials(self.materials, base, *pieces, factor), cuts
+        return CellMaterials(self.materials, base, *pieces, np.exp(log_factor)), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""

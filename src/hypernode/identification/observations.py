@@ -51,7 +51,7 @@ class Observations:
         by_points: whether displacements of points were observed, and not grey levels of pictures.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
-        window: side of the camera's correlation window, 0 without one.
+        window, kernel: side of the camera's correlation window, 0 without one, and what is seen through it.
         believed_window: that window, where an identification found it and the measurement states none.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
@@ -72,6 +72,7 @@ class Observations:
     by_points: bool
     own_grid: bool
     window: float
+    kernel: str
     believed_window: BelievedWindow | None
     cut: bool
     largest_stretch: float
@@ -143,7 +144,7 @@ def observe(
         believed_noise,
         information is None,
         own_grid,
-        correlation_window(measurement)[0],
+        *correlation_window(measurement),
         BelievedWindow.read(measurement.attrs),
         cut,
         float(measurement["stretch"].values.max()),

@@ -15,6 +15,7 @@ from hypernode.identification.problem import FieldProblem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian
 from hypernode.identification.sheet import Sheet
+from hypernode.identification.window_error import grid_step
 
 #: Half of the difference of two windows, in points, that stands for a derivative.
 DIFFERENCE = 0.05
@@ -48,7 +49,7 @@ class SeenTest:
         errors = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
         self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1]) if steps else []
         self._answers = None
-        self.step = float(np.median(np.diff(observations.grid.lines[0])))
+        self.step = grid_step(observations.grid)
         self.see_through(observations.window / self.step if window is None else window)
 
     def stiffer(self, factor: Float[np.ndarray, " cell"]) -> "SeenTest":
@@ -65,7 +66,8 @@ class SeenTest:
         self._observe = self._through(self.window)
 
     def _through(self, window: float):
-        seen = seen_points(self.problem.observations.refinement, window * self.step, "average")
+        observations = self.problem.observations
+        seen = seen_points(observations.refinement, window * self.step, observations.kernel)
         return [scipy.sparse.diags(1.0 / b.relative) @ seen[b.observed] for b in self.boundaries]
 
     def by_window(self, states, sigma: float) -> list[np.ndarray]:
