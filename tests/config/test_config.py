@@ -141,6 +141,14 @@ def test_a_grid_makes_every_combination():
         check_config(config)
 
 
+def test_every_key_that_a_written_case_has_reaches_the_cases_of_a_grid():
+    config = copy.deepcopy(BASE)
+    shared = {"mesh": "finer", "thickness": 2.0, "cells": [12, 10], "size": [3.0, 2.0], "spacing": [1.5, 1.0]}
+    swept = {"geometry": "disc", "inclusion": "stiff", "matrix": "soft", "loads": ["pull"], "methods": ["m"]}
+    config["grid"] = [{"name": "{geometry}", **swept, **shared}]
+    assert shared.items() <= check_config(config).cases["disc"].model_dump(mode="json").items()
+
+
 def test_a_rule_sees_only_its_part_of_the_configuration():
     config = check_config(copy.deepcopy(BASE))
     part = slice_for(config, "a", ("geometries", "materials"), keys=("geometry", "inclusion", "matrix"))

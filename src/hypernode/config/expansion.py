@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable
 
-from hypernode.config.cases import Case, Grid
+from hypernode.config.cases import Case, Grid, Sheet
 from hypernode.config.errors import ConfigError
 from hypernode.config.model import Config
 from hypernode.config.outputs import ExploredRun, RunFigure
@@ -74,10 +74,8 @@ def expanded(grid: Grid) -> dict[str, Case]:
     cases = {}
     for combination in itertools.product(*swept.values()):
         chosen = dict(zip(swept, combination, strict=True))
-        shared = {
-            key: getattr(grid, key)
-            for key in ("loads", "methods", "hole", "cells", "size", "thickness", "spacing", "camera")
-        }
+        said = {key: getattr(grid, key) for key in Sheet.model_fields}
+        shared = {key: value for key, value in said.items() if value != Sheet.model_fields[key].default}
         try:
             name = grid.name.format(**chosen)
         except (KeyError, IndexError, AttributeError) as error:

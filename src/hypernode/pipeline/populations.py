@@ -3,29 +3,14 @@
 from collections.abc import Callable
 from functools import cached_property
 
+from hypernode.config.cases import Sheet
 from hypernode.config.model import Config
 from hypernode.config.populations import group_of, population_config
 from hypernode.config.slices import in_fixed_order, slice_for
 from hypernode.pipeline.resources import NEEDS, case_size
 
 #: What a sheet is made from.
-_SECTIONS, _KEYS = (
-    ("geometries", "materials", "loads", "noise"),
-    (
-        "geometry",
-        "inclusion",
-        "matrix",
-        "hole",
-        "cells",
-        "size",
-        "thickness",
-        "spacing",
-        "loads",
-        "noise",
-        "camera",
-        "methods",
-    ),
-)
+_SECTIONS, _SWEPT = ("geometries", "materials", "loads", "noise"), ("geometry", "inclusion", "matrix", "noise")
 
 
 class PlannedPopulation:
@@ -91,7 +76,7 @@ def sheet_settings(config: Config, name: str) -> dict:
     """What one sheet of a population is made and identified from, its method included."""
     method = config.cases[name].methods[0]
     return {
-        **slice_for(config, name, _SECTIONS, _KEYS),
+        **slice_for(config, name, _SECTIONS, (*_SWEPT, *Sheet.model_fields)),
         "methods": {method: config.methods[method].model_dump(mode="json", exclude_defaults=True)},
     }
 
