@@ -75,6 +75,7 @@ def test_a_field_does_not_depend_on_a_noise_that_the_test_refutes(factor):
     kept = wrong.assign_attrs(
         displacement_sigma=problem.sigma,
         noise_rules_displacements="true",
+        layered=0,
         **problem.observations.believed_noise.stored(),
     )
     again, _ = problem_as_identified(wrong, kept, SETTINGS, problem.basis, 1)
