@@ -94,7 +94,8 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
             )
     unit, *factors = unit_of(path, units, preamble, dialect)
     position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
-    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1) * factors[1]
+    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1)
+    u *= factors[1] * dialect.displacement_factor
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
