@@ -170,7 +170,8 @@ def _with_forces(seen: Inspection) -> Inspection:
         seen = _and(seen, odd(contradicted, "frame_rate"))
     if cycle.record.image is None and clock is None:
         return _and(seen, missing(_no_clock(seen, cycle), "frame_rate"))
-    for sentence in going_on(cycle.record, clock, seen.field.numbers[-1]):
+    sides = (test.width, test.height) if seen.known.sized else None
+    for sentence in going_on(test, seen.kept, cycle.record, clock, sides):
         seen = _and(seen, odd(sentence, "frame_rate"))
     found, offsets = courses(test, seen.kept, cycle.record, clock)
     return replace(seen, courses=tuple(found), offsets=tuple(offsets))

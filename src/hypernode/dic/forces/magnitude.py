@@ -37,17 +37,41 @@ def crosshead_findings(
     test: SpecimenTest, pull: PullRecord, series: Series, part: Component, sides: tuple[float, float]
 ) -> list[Finding]:
     """What is strange about the crosshead's way, over a sheet that is pulled along it."""
-    if pull.displacement is None or tensile_axis(test.load) != part[0] or part[0] != part[1]:
+    courses = _courses(test, pull, series, part)
+    if courses is None:
         return []
+    side, lines = sides[part[0]], (series.x, series.y)[part[0]]
+    whole = (lines[-1] - lines[0]) * series.millimetres(test.pixel_size) >= _WHOLE * side
+    return check_crosshead(*courses, pull.time, pull.displacement, side, whole)
+
+
+def crosshead_agrees(
+    test: SpecimenTest, pull: PullRecord, series: Series, part: Component, sides: tuple[float, float]
+) -> bool:
+    """Whether the crosshead moves as the sheet gets longer, within a quarter: frames are then of their times."""
+    courses = _courses(test, pull, series, part)
+    moved = None if courses is None else _moved(*courses, pull.time, pull.displacement, sides[part[0]])
+    return moved is not None and _LESS <= moved[0] / moved[1] <= 1.0 / _LESS
+
+
+def _courses(test: SpecimenTest, pull: PullRecord, series: Series, part: Component):
+    """(mean stretch of the frames that the record reaches, their times); None where the crosshead tells nothing."""
+    if pull.displacement is None or tensile_axis(test.load) != part[0] or part[0] != part[1]:
+        return None
     numbers = np.array([frame.number for frame in series.frames])
     stretch = 1.0 + mean_gradient(series, *part)
     seen = np.isfinite(stretch) & pull.reached(numbers)
     if not seen[0] or seen.sum() < 2:
-        return []
-    time, side = pull.times(numbers[seen]), sides[part[0]]
-    lines = (series.x, series.y)[part[0]]
-    whole = (lines[-1] - lines[0]) * series.millimetres(test.pixel_size) >= _WHOLE * side
-    return check_crosshead(stretch[seen], time, pull.time, pull.displacement, side, whole)
+        return None
+    return stretch[seen], pull.times(numbers[seen])
+
+
+def _moved(stretch, time, record_time, displacement, side: float) -> tuple[float, float] | None:
+    """(way of the crosshead, what the sheet gets longer) until the largest stretch [mm]; None where neither moves."""
+    moved = np.interp(time, record_time, displacement)
+    last = int(np.argmax(stretch))
+    longer, pulled = side * (stretch[last] - stretch[0]), abs(moved[last] - moved[0])
+    return None if longer < _LEAST_STRAIN * side or pulled < _LEAST_STRAIN * longer else (pulled, longer)
 
 
 def check_crosshead(
@@ -66,11 +90,10 @@ def check_crosshead(
         side: length of the sheet along the pull [mm].
         whole: whether the field reaches over it.
     """
-    moved = np.interp(time, record_time, displacement)
-    first, last = 0, int(np.argmax(stretch))
-    longer, pulled = side * (stretch[last] - stretch[first]), abs(moved[last] - moved[first])
-    if longer < _LEAST_STRAIN * side or pulled < _LEAST_STRAIN * longer:
+    both = _moved(stretch, time, record_time, displacement, side)
+    if both is None:
         return []
+    pulled, longer = both
     ratio = pulled / longer
     if _LESS <= ratio <= (_MORE_OF_WHOLE if whole else _MORE):
         return []
