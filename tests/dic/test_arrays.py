@@ -138,3 +138,11 @@ def test_labels_that_are_none_of_points_are_said_and_refused_as_a_shape(tmp_path
     assert any("is not used" in each for each in inspect(tmp_path, SIZE).field.said)
     with pytest.raises(DicError, match="no array with a label of every point"):
         labelled_shape(tmp_path / "pull.npz", {}, True)
+
+
+def test_arrays_of_one_component_each_are_read_as_those_of_both(tmp_path):
+    flat = arrays()
+    each = {"X": flat["DIC_X"][:, 0], "Y": flat["DIC_X"][:, 1], "force": flat["instron_force"]}
+    scipy.io.savemat(tmp_path / "pull.mat", {**each, "U": flat["DIC_disp"][..., 0], "V": flat["DIC_disp"][..., 1]})
+    case = inspect(tmp_path, {**SIZE, "arrays": {"unit": "mm"}}).sheet.cases[0]
+    assert case.stretch[-1] == pytest.approx(1.16, abs=0.002) and case.force[1, 1][-1] == pytest.approx(4.0)

@@ -29,6 +29,9 @@ ForceFormat = Literal[
     "usual_names",
     "usual_names_brackets",
     "usual_names_suffix",
+    "pictures",
+    "pictures_brackets",
+    "pictures_suffix",
 ]
 #: How displacement files may be laid out, by the software that writes them; ``auto``: as the files themselves show.
 Format = Literal[

@@ -15,10 +15,15 @@ from hypernode.dic.text import shown
 
 #: Endings of such files.
 SUFFIXES = {".npz", ".h5", ".hdf5", ".mat"}
+#: Names of arrays that hold one component each.
+COMPONENTS = {
+    "positions": (("x", "y"), ("X", "Y")),
+    "displacements": (("u", "v"), ("U", "V"), ("ux", "uy"), ("Ux", "Uy"), ("UX", "UY")),
+}
 #: Names by what an array holds; those of the configuration come before them.
 NAMES = {
-    "positions": ("DIC_X", "positions", "X", "coordinates"),
-    "displacements": ("DIC_disp", "displacements", "U", "disp"),
+    "positions": ("DIC_X", "positions", *map(" ".join, COMPONENTS["positions"]), "X", "coordinates"),
+    "displacements": ("DIC_disp", "displacements", *map(" ".join, COMPONENTS["displacements"]), "U", "disp"),
     "force": ("instron_force", "force", "F"),
     "crosshead": ("instron_disp", "crosshead", "crosshead_displacement"),
     "time": ("time", "instron_time", "t"),
@@ -34,9 +39,20 @@ _BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFErr
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those at the top.
 
+    One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both.
+
     Raises:
         DicError: it cannot be read.
     """
+    arrays = _arrays_in(path)
+    for pair in (pair for pairs in COMPONENTS.values() for pair in pairs):
+        first, second = (arrays.get(name) for name in pair)
+        if first is not None and second is not None and first.shape == second.shape:
+            arrays[" ".join(pair)] = np.stack([first, second], axis=-1)
+    return arrays
+
+
+def _arrays_in(path: Path) -> dict[str, np.ndarray]:
     try:
         if path.suffix.lower() == ".npz":
             with np.load(path, allow_pickle=False) as file:

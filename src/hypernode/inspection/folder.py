@@ -185,8 +185,10 @@ def _record(seen: Inspection, test: SpecimenTest) -> tuple[Cycle | None, Known]:
             record = record_of_frames(seen.folder, series)
         except DicError as error:
             return None, missing(str(error), "force_file")
+        # A file of arrays says no unit at all, and the stiffness shows whether it is N.
         about = "the forces are those in the displacement files, some of which say N and mean V"
-        return Cycle(None, None, record), odd(about, "force_file")
+        arrays = seen.field.dialect == "arrays"
+        return Cycle(None, None, record), Known() if arrays else odd(about, "force_file")
     file, known = record_of_test(seen.files, seen.others, test, settings)
     if file is None:
         return None, known

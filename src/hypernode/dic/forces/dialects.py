@@ -48,14 +48,19 @@ class Dialect:
 TIME_NAMES = (
     *("time", "elapsed time", "total time", "running time", "test time", "t", "zeit", "gesamtzeit", "prüfzeit"),
     *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp"),
+    *("tiempo", "tempo", "tijd", "tid", "czas", "čas", "aika", "zaman", "время", "时间", "時間"),
 )
 FORCE_NAMES = (
     *("force", "load", "axial force", "axial load", "tensile force", "standard force", "force 1", "load cell", "f"),
     *("kraft", "last", "zugkraft", "standardkraft", "effort", "charge", "force axiale"),
+    *("fuerza", "carga", "forza", "carico", "força", "forca", "kracht", "siła", "sila", "síla", "voima", "kuvvet"),
+    *("сила", "усилие", "нагрузка", "力", "载荷", "负荷", "荷重", "試験力"),
 )
 WAY_NAMES = (
     *("displacement", "extension", "crosshead", "crosshead displacement", "position", "stroke", "axial displacement"),
     *("weg", "traversenweg", "standardweg", "verschiebung", "déplacement", "deplacement", "traverse", "allongement"),
+    *("desplazamiento", "spostamento", "corsa", "deslocamento", "verplaatsing", "förskjutning", "przemieszczenie"),
+    *("siirtymä", "перемещение", "位移", "変位", "ストローク"),
 )
 PICTURE_NAMES = (
     *("image", "image index", "image number", "image no", "image no.", "image file", "picture", "picture number"),
@@ -182,16 +187,18 @@ DIALECTS = (
         Dialect(
             name=name,
             program=f"a table of usual names with {written}",
-            time=TIME_NAMES,
+            time=time,
             force={PULL: FORCE_NAMES},
             displacement={PULL: WAY_NAMES},
+            image=image,
             units=units,
             preamble=20,
         )
+        for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))
         for name, units, written in (
-            ("usual_names_brackets", "brackets", "units in brackets"),
-            ("usual_names_suffix", "suffix", "units behind a line"),
-            ("usual_names", "row", "a line of units"),
+            (f"{usual}_brackets", "brackets", "units in brackets"),
+            (f"{usual}_suffix", "suffix", "units behind a line"),
+            (usual, "row", "a line of units"),
         )
     ),
 )

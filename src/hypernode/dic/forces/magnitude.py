@@ -164,7 +164,8 @@ def check_stiffness(
         return [
             Finding(
                 f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
-                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
+                "stretched sheet pulls; check the sign of the record, force_offset, and the clock (first_frame_time, "
+                "or picture_shift where pictures are named)",
                 True,
             )
         ]
