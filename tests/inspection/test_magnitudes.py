@@ -6,7 +6,7 @@ A sheet of 12 x 12 mm whose narrowing is that of rubber, in files that the tests
 import numpy as np
 import pytest
 
-from hypernode.dic.forces.growth import check_growth
+from hypernode.dic.forces.growth import check_growth, check_pace
 from hypernode.dic.narrowing import scale_of
 from hypernode.inspection.folder import inspect
 from hypernode.inspection.report import report
@@ -167,3 +167,20 @@ def test_a_force_that_stands_while_the_sheet_is_pulled_on_is_said():
     stretch = np.linspace(1.0, 1.2, 13)
     (finding,) = check_growth(stretch, np.minimum(stretch - 1.0, 0.12) + 1e-4 * np.sin(np.arange(13.0)))
     assert not finding.refused and "check frame_rate" in finding.sentence
+
+
+@pytest.mark.parametrize("dropped", [1, 2, 5])
+def test_pictures_that_the_camera_dropped_are_told_by_the_curve(dropped):
+    taken = np.append(np.arange(6.0), np.arange(6.0, 12.0) + dropped)
+    stretch = 1.0 + 0.01 * taken + np.random.default_rng(0).normal(0.0, 2e-5, 12)
+    (finding,) = check_pace(stretch, force_at(0.01 * np.arange(12.0)), np.arange(12))
+    assert "between frames 5 and 6" in finding.sentence and f"dropped {dropped} pictures" in finding.sentence
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("noise", [0.0, 0.003])
+def test_no_curve_of_a_sheet_skips_pictures(name, noise):
+    largest, law = LAWS[name]
+    stretch = np.linspace(1.0, largest, 13)
+    force = law(stretch) + noise * law(largest) * np.random.default_rng(2).standard_normal(13)
+    assert check_pace(stretch, force, np.arange(13)) == []
