@@ -77,8 +77,10 @@ def check_pace(
         return []
     slope = np.log(rise / step)
     less = 0.5 * (slope[:-2] + slope[2:]) - slope[1:-1]
-    scatter = 1.4826 * np.median(np.abs(less - np.median(less)))
     k = int(np.argmax(less))
+    # A step that stands out bends the curve on both of its sides as well.
+    others = np.delete(less, slice(max(k - 1, 0), k + 2))
+    scatter = np.sqrt(np.mean(others**2)) if len(others) > 1 else np.inf
     if less[k] < max(np.log(_SKIPS), _DEVIATIONS * scatter) or abs(slope[k + 2] - slope[k]) > 0.5 * less[k]:
         return []
     before, after, times = numbers[k + 1], numbers[k + 2], float(np.exp(less[k]))
