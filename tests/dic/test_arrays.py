@@ -7,11 +7,14 @@ import scipy.io
 
 from hypernode.config.specimens import Specimen
 from hypernode.dic.errors import DicError
+from hypernode.dic.labels import labelled_shape
 from hypernode.dic.load_case import import_load_case
 from hypernode.dic.reading import read_test
 from hypernode.inspection.folder import inspect
 
 from .pulls import LINES, fields
+
+SIZE = {"width": 12.0, "height": 12.0, "thickness": 1.0}
 
 
 def specimen(folder, **keys):
@@ -78,15 +81,14 @@ def hdf5(path, values):
     "write", [lambda path, values: np.savez(f"{path}.npz", **values), lambda p, v: hdf5(f"{p}.h5", v)]
 )
 def test_arrays_by_rows_and_columns_are_read_without_a_key_and_their_crosshead_is_compared(tmp_path, write):
-    size = {"width": 12.0, "height": 12.0, "thickness": 1.0}
     write(tmp_path / "pull", images())
-    found = inspect(tmp_path, size)
+    found = inspect(tmp_path, SIZE)
     case = found.sheet.cases[0]
     assert case.stretch[-1] == pytest.approx(1.16, abs=0.002) and case.force[1, 1][-1] == pytest.approx(4.0)
     assert not found.known.missing and found.cycle.record.displacement[-1, 0] == pytest.approx(1.92)
-    assert any("'label' names 2 kinds" in each for each in found.field.said)
+    assert any("'label' names 2 kinds" in each and "shape_image: pull" in each for each in found.field.said)
     write(tmp_path / "pull", images(instron_disp=120.0 * 0.02 * np.arange(9.0)))
-    (missing,) = inspect(tmp_path, size).known.missing
+    (missing,) = inspect(tmp_path, SIZE).known.missing
     assert "the crosshead moves by" in missing.sentence and "(10)" in missing.sentence
 
 
@@ -117,3 +119,30 @@ def test_arrays_of_unknown_names_are_listed_with_the_key_that_says_which_they_ar
     np.savez(tmp_path / "pull.npz", **arrays(names=("P", "D", "N")))
     with pytest.raises(DicError, match=r"holds the arrays 'D', 'N', 'P': say which are what, --set 'arrays=\{"):
         read_test(specimen(tmp_path))
+
+
+@pytest.mark.parametrize("y_up", [True, False])
+def test_labels_of_points_are_a_shape_with_which_the_identified_one_is_compared(tmp_path, y_up):
+    y = images()["DIC_X"][..., 1]
+    disc = (np.hypot(images()["DIC_X"][..., 0] - 4.0, y - 8.0) < 3.0).astype(int)
+    np.savez(tmp_path / "pull.npz", **images(label=disc + 7))
+    inside = labelled_shape(tmp_path / "pull.npz", {}, y_up)
+    height = 8.0 if y_up else 4.0
+    np.testing.assert_array_equal(
+        inside(np.array([[4.0, height], [11.0, 11.0], [4.0, 12.0 - height]]) / 12.0), [1, 0, 0]
+    )
+
+
+def test_labels_that_are_none_of_points_are_said_and_refused_as_a_shape(tmp_path):
+    np.savez(tmp_path / "pull.npz", **images(label=np.arange(9)))
+    assert any("is not used" in each for each in inspect(tmp_path, SIZE).field.said)
+    with pytest.raises(DicError, match="no array with a label of every point"):
+        labelled_shape(tmp_path / "pull.npz", {}, True)
+
+
+def test_arrays_of_one_component_each_are_read_as_those_of_both(tmp_path):
+    flat = arrays()
+    each = {"X": flat["DIC_X"][:, 0], "Y": flat["DIC_X"][:, 1], "force": flat["instron_force"]}
+    scipy.io.savemat(tmp_path / "pull.mat", {**each, "U": flat["DIC_disp"][..., 0], "V": flat["DIC_disp"][..., 1]})
+    case = inspect(tmp_path, {**SIZE, "arrays": {"unit": "mm"}}).sheet.cases[0]
+    assert case.stretch[-1] == pytest.approx(1.16, abs=0.002) and case.force[1, 1][-1] == pytest.approx(4.0)

@@ -176,7 +176,7 @@ def utf_16_without_its_mark(broken):
     broken.save("\n".join(broken.lines).encode("utf-16-le"))
 
 
-NO_HEADER = "no column 'Force' or 'Time' among .* the header is of no known program"
+NO_HEADER = "are no known names of a force and of a time or picture, and the header is of no known program"
 #: Some write the volts of the load cell beside its force.
 VOLTS = "is in volts, not calibrated: export the force in N"
 NO_SAMPLES = "needs a header, a line of units and at least one sample"

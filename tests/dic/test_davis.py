@@ -225,7 +225,7 @@ def test_a_record_shorter_than_the_frames_is_an_error(folder, tmp_path):
     [
         ("Time,Force\n0,1\n1,2\n", r"csv:2: the line of units"),
         ("Time,Force\n(s),(N)\n0,1\n2,2\n1,3\n", r"csv:5: time goes back"),
-        ("Time,Weight\n(s),(N)\n0,1\n", r"csv:1: no column 'Force'"),
+        ("Time,Weight\n(s),(N)\n0,1\n", r"csv:1: 'Time', 'Weight' are no known names of a force"),
         ("Time,Force\n(s),(N)\n0,a\n", r"csv:3: not a sample"),
     ],
 )

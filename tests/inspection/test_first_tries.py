@@ -108,7 +108,7 @@ def test_a_record_with_columns_of_other_names_says_how_to_name_them(folder):
     path = folder / "force_disp.csv"
     path.write_text(path.read_text().replace("Force", "Load cell A"))
     said = refused(folder)
-    assert "no column 'Force' or 'Time' among 'Time', 'Load cell A'" in said and "--set force_channel=NAME and" in said
+    assert "'Time', 'Load cell A' are no known names of a force" in said and "--set force_channel=NAME and" in said
     assert not refused(folder, force_channel="Load cell A")
 
 

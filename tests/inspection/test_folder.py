@@ -95,7 +95,7 @@ def test_a_folder_without_forces_must_say_so(folder):
 def test_a_record_that_is_none_is_refused_with_its_own_sentence(folder):
     (folder / "load.csv").write_text("Time,Weight\n(s),(N)\n0,1\n")
     seen = inspect(folder, {**GIVEN, "force_file": "load.csv"})
-    assert "no column 'Force'" in sentences(seen.known.missing)
+    assert "no known names of a force" in sentences(seen.known.missing)
     seen = inspect(folder, {**GIVEN, "force_file": "lod.csv"})
     assert "there is no file 'lod.csv'; the folder has force_disp.csv" in sentences(seen.known.missing)
 

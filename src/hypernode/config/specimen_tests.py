@@ -29,6 +29,9 @@ ForceFormat = Literal[
     "usual_names",
     "usual_names_brackets",
     "usual_names_suffix",
+    "pictures",
+    "pictures_brackets",
+    "pictures_suffix",
 ]
 #: How displacement files may be laid out, by the software that writes them; ``auto``: as the files themselves show.
 Format = Literal[
@@ -107,6 +110,9 @@ class SpecimenTest(Section):
     """Whether the numbers of the files run backwards in time; frames are then numbered from the oldest on."""
     increments: bool = False
     """Whether displacements are those of each point since the frame before; they are added up."""
+    displacement_factor: Positive | None = None
+    """What displacements of the frames are multiplied by, where they are in another unit than positions. Left out, 1,
+    and a sheet that narrows as if it were pulled much further, or less, is said; 1 says that they are right."""
     repeated_frames: Literal["inserted", "missed"] | None = None
     """What a frame is that equals the one before to the last bit: inserted, so that those after it are earlier, or in
     the place of a picture that the camera missed. Left out, the motion tells."""
@@ -146,6 +152,8 @@ class SpecimenTest(Section):
     force_offset: Union[float, dict[Axis, float], None] = None
     """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
     zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""
+    force_factor: Positive = 1.0
+    """What forces of the record are multiplied by, before force_offset: 9.80665 where it says N and means kilograms."""
     force_uncertainty: Fraction = 0.01
     """Relative uncertainty of a force that no other force shares. What the unseen share of the width leaves open is
     told by the identified field, and comes on top."""

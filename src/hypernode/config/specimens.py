@@ -52,7 +52,8 @@ class Specimen(SpecimenTest):
     """Relative standard deviation of the noise level itself: estimates from frames of known noise scatter by 0.05; 0
     where errors were drawn with a known level."""
     shape_image: str | None = None
-    """Image of the printed inclusion, with which the identified one is compared."""
+    """Image of the printed inclusion, with which the identified one is compared; or a file of arrays with positions and
+    a label of every point."""
     shape_flipped: bool = False
     """Whether the first row of that image is at the bottom."""
     source_title: str = ""

@@ -12,14 +12,18 @@ from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.points import Points, points_from
 from hypernode.dic.text import shown
-from hypernode.progress import say
 
 #: Endings of such files.
 SUFFIXES = {".npz", ".h5", ".hdf5", ".mat"}
+#: Names of arrays that hold one component each.
+COMPONENTS = {
+    "positions": (("x", "y"), ("X", "Y")),
+    "displacements": (("u", "v"), ("U", "V"), ("ux", "uy"), ("Ux", "Uy"), ("UX", "UY")),
+}
 #: Names by what an array holds; those of the configuration come before them.
 NAMES = {
-    "positions": ("DIC_X", "positions", "X", "coordinates"),
-    "displacements": ("DIC_disp", "displacements", "U", "disp"),
+    "positions": ("DIC_X", "positions", *map(" ".join, COMPONENTS["positions"]), "X", "coordinates"),
+    "displacements": ("DIC_disp", "displacements", *map(" ".join, COMPONENTS["displacements"]), "U", "disp"),
     "force": ("instron_force", "force", "F"),
     "crosshead": ("instron_disp", "crosshead", "crosshead_displacement"),
     "time": ("time", "instron_time", "t"),
@@ -35,9 +39,20 @@ _BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFErr
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those at the top.
 
+    One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both.
+
     Raises:
         DicError: it cannot be read.
     """
+    arrays = _arrays_in(path)
+    for pair in (pair for pairs in COMPONENTS.values() for pair in pairs):
+        first, second = (arrays.get(name) for name in pair)
+        if first is not None and second is not None and first.shape == second.shape:
+            arrays[" ".join(pair)] = np.stack([first, second], axis=-1)
+    return arrays
+
+
+def _arrays_in(path: Path) -> dict[str, np.ndarray]:
     try:
         if path.suffix.lower() == ".npz":
             with np.load(path, allow_pickle=False) as file:
@@ -70,7 +85,7 @@ def holds_frames(path: Path, names: Mapping[str, str | None]) -> bool:
         arrays = arrays_in(path)
     except DicError:
         return False
-    return all(_named(arrays, role, names) is not None for role in ("positions", "displacements"))
+    return all(named(arrays, role, names) is not None for role in ("positions", "displacements"))
 
 
 def said_of(path: Path) -> str:
@@ -92,21 +107,15 @@ def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
         DicError: an array is absent, or of a shape that does not fit the others.
     """
     arrays = arrays_in(path)
-    if dialect.unit is None and _named(arrays, "positions", dialect.arrays) in _MILLIMETRES:
+    if dialect.unit is None and named(arrays, "positions", dialect.arrays) in _MILLIMETRES:
         dialect = replace(dialect, unit="mm")
-    position = np.squeeze(_array(path, arrays, "positions", dialect.arrays)).astype(float)
+    position = positions_in(path, arrays, dialect.arrays)
     displacement = _array(path, arrays, "displacements", dialect.arrays).astype(float)
-    if position.ndim > 1 and position.shape[0] == 2 != position.shape[-1]:
-        position, displacement = position.T, displacement.T
-    if position.ndim not in (2, 3) or position.shape[-1] != 2:
-        raise DicError(f"{path}: positions of shape {position.shape}: store them as (point, 2) or (row, column, 2)")
+    if _components_first(_array(path, arrays, "positions", dialect.arrays)):
+        displacement = displacement.T
     u = _in_order(path, displacement, position.shape[:-1])
     position = position.reshape(-1, 2)
     course = {role: _course(path, arrays, role, len(u), dialect) for role in ("time", "force", "crosshead")}
-    label = _named(arrays, "label", dialect.arrays)
-    if label is not None:
-        kinds = len(np.unique(arrays[label]))
-        say("import", str(path.parent), f"{path.name}: {label!r} names {kinds} kinds of material, and is not looked at")
     line = np.arange(1, len(position) + 1)
     frames = {}
     for number, each in enumerate(u):
@@ -117,26 +126,46 @@ def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
     return frames
 
 
+def positions_in(path: Path, arrays: Mapping[str, np.ndarray], names: Mapping[str, str | None]) -> np.ndarray:
+    """Positions of a file of arrays, (point, 2) or (row, column, 2), whichever axis is stored first.
+
+    Raises:
+        DicError: there are none, or of another shape.
+    """
+    stored = _array(path, arrays, "positions", names)
+    position = np.squeeze(stored).astype(float)
+    position = position.T if _components_first(stored) else position
+    if position.ndim not in (2, 3) or position.shape[-1] != 2:
+        raise DicError(f"{path}: positions of shape {position.shape}: store them as (point, 2) or (row, column, 2)")
+    return position
+
+
+def _components_first(stored: np.ndarray) -> bool:
+    shape = np.squeeze(stored).shape
+    return len(shape) > 1 and shape[0] == 2 != shape[-1]
+
+
 def _course(path: Path, arrays: Mapping[str, np.ndarray], role: str, frames: int, dialect: Dialect):
     """One value a frame; None where no array holds them.
 
     Raises:
         DicError: there are not as many as frames.
     """
-    name = _named(arrays, role, dialect.arrays)
+    name = named(arrays, role, dialect.arrays)
     values = None if name is None else np.ravel(arrays[name]).astype(float)
     if values is not None and len(values) != frames:
         raise DicError(f"{path}: {len(values)} values of {role} {name!r} of {frames} frames: store one a frame")
     return values
 
 
-def _named(arrays: Mapping[str, np.ndarray], role: str, names: Mapping[str, str | None]) -> str | None:
+def named(arrays: Mapping[str, np.ndarray], role: str, names: Mapping[str, str | None]) -> str | None:
+    """Name of the array of a role: that of the configuration, else the first usual one; None where there is none."""
     wanted = (names[role],) if names.get(role) else NAMES[role]
     return next((name for name in wanted if name in arrays), None)
 
 
 def _array(path: Path, arrays: Mapping[str, np.ndarray], role: str, names: Mapping[str, str | None]) -> np.ndarray:
-    name = _named(arrays, role, names)
+    name = named(arrays, role, names)
     if name is None:
         raise DicError(
             f"{path}: no array of {role} among {shown(sorted(arrays))}: name it (--set 'arrays={{{role}: NAME}}')"

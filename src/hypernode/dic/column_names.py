@@ -22,6 +22,7 @@ _PLACES = (
 )
 _MOVED_PLACES = ("{}deformed", "deformed{}", "{}def", "def{}", "{}current", "current{}", "{}verformt", "{}déformé")
 _WORDS = ("displacement", "disp", "verschiebung", "verformung", "déplacement", "deplacement", "depl", "dépl")
+_WORDS += ("desplazamiento", "spostamento", "deslocamento", "verplaatsing", "przemieszczenie", "位移", "変位")
 _MOVES = ("{0}", "{0}{1}", "u{1}", "d{1}", *(f"{{1}}{word}" for word in _WORDS), *(f"{word}{{1}}" for word in _WORDS))
 _MOVES += (*(f"{word}{{0}}" for word in _WORDS), *(f"{{0}}{word}" for word in _WORDS))
 _SIGNS = (",", ";", "\t", " ")

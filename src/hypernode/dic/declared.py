@@ -17,6 +17,7 @@ class Declared:
         implied_reference: whether the sheet at rest is in no file; None where the dialect says it.
         newest_first: whether the numbers of the files run backwards in time.
         increments: whether displacements are those since the frame before.
+        displacement_factor: what displacements are multiplied by; None for one.
         repeated_frames: what a frame means that is equal to the one before; None where the others tell.
         allow_out_of_plane: whether a stereo sheet may move far out of its plane.
     """
@@ -26,6 +27,7 @@ class Declared:
     implied_reference: bool | None = None
     newest_first: bool = False
     increments: bool = False
+    displacement_factor: float | None = None
     repeated_frames: Literal["inserted", "missed"] | None = None
     allow_out_of_plane: bool = False
 

@@ -22,6 +22,7 @@ class Dialect:
         z, w: the same out of the plane; a file that has both is stereo.
         absent: column names that it has not.
         unit: of positions and displacements where the header names none.
+        displacement_factor: what displacements are multiplied by, beside what their unit says.
         layouts: delimiters and decimal signs in which it comes.
         y_up: whether y points upward.
         v_up: whether v does, where it differs from y.
@@ -51,6 +52,7 @@ class Dialect:
     w: tuple[str, ...] = ()
     absent: tuple[str, ...] = ()
     unit: str | None = None
+    displacement_factor: float = 1.0
     layouts: tuple[tuple[str, str], ...] = ((",", "."),)
     y_up: bool = True
     v_up: bool | None = None

@@ -21,6 +21,8 @@ _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
 #: Digits of a frame's number that DaVis and others write; what stands before them belongs to the name.
 _DIGITS = 4
+#: Largest number of a frame that a computer tells from the next one, whatever it is multiplied by.
+_LARGEST = 10**15
 #: Most files in the folder of one load step: a field, forces and what a program adds.
 _MOST_OF_A_STEP = 8
 
@@ -86,10 +88,7 @@ def _by_clock(group: list[Path], clock: list[float]) -> tuple[dict[int, Path], d
     ordered = sorted(zip(clock, group, strict=True))
     since = [time - ordered[0][0] for time, _ in ordered]
     numbers = [int(time) for time in since] if all(time.is_integer() for time in since) else range(len(since))
-    return (
-        {number: path for number, (_, path) in zip(numbers, ordered, strict=True)},
-        dict(zip(numbers, since, strict=True)),
-    )
+    return {n: path for n, (_, path) in zip(numbers, ordered, strict=True)}, dict(zip(numbers, since, strict=True))
 
 
 def _skeleton(name: str) -> str:
@@ -182,6 +181,8 @@ def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
     files: dict[int, Path] = {}
     for path, each in zip(paths, digits, strict=True):
         number = int(each[cut:])
+        if number > _LARGEST:
+            raise DicError(f"{path}: {each} is too large a number for a frame: number the files from 1 on")
         if number in files:
             raise DicError(f"{path}: frame {number} is there twice ({files[number].name})")
         files[number] = path

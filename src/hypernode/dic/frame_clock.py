@@ -47,7 +47,9 @@ def frame_clock(test: SpecimenTest, series: Series) -> FrameClock | None:
     later = test.first_frame_time + (given if isinstance(given, float) else 0.0)
     first = series.frames[0].number
     if test.frame_rate is not None:
-        numbers = np.arange(first, max(series.frames[-1].number, first + 1) + 2.0)
+        # Linear but for the pictures that took no time.
+        ends = (first, max(series.frames[-1].number, first + 1) + 1)
+        numbers = np.unique([*ends, *(n - back for n in series.inserted for back in (0, 1))]).astype(float)
         taken = numbers - first - np.searchsorted(series.inserted, numbers, side="right")
         return FrameClock(numbers, later + taken / test.frame_rate)
     said = _said(series)

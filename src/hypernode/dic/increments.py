@@ -68,7 +68,8 @@ def refuse_increments(folder: str, strain: Float[np.ndarray, " frame"], force: F
             f"{folder}: the force grows from {force[near][0]:.3g} to {force[near][-1]:.3g} N while the sheet stays "
             f"near a mean strain of {np.median(strain[near]):.3g}: displacements are those since the frame before. "
             "Correlate again with the first picture as the reference, or say increments: true (--set "
-            "increments=true), which adds up the displacements of every point"
+            "increments=true), which adds up the displacements of every point. If the sheet is held there instead, "
+            "frames are later than is said: check frame_rate (--frame-rate)"
         )
 
 

@@ -18,6 +18,8 @@ UNITS = {
     "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
     "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
 }  # fmt: skip
+#: Length in mm or pixels from which it is none, as 1e308 that stands for a lost point.
+_ENDLESS = 1e12
 #: Distance of a point of the reference from its neighbour, over that of the points in the median, from which its
 #: position is a mistake: a lost decimal sign makes it ten times as large.
 _STRAY = 10.0
@@ -94,16 +96,17 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
             )
     unit, *factors = unit_of(path, units, preamble, dialect)
     position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
-    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1) * factors[1]
+    u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1)
+    u *= factors[1] * dialect.displacement_factor
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
     if "failed" in cells:
         u[cells["failed"]] = np.nan
-    u[~_all(np.isfinite(u)) | _no_lengths(position, u)] = np.nan
+    u[~_all(np.abs(u) < _ENDLESS) | _no_lengths(position, u)] = np.nan
     if dialect.deformed:
         position = position - u
-    keep = _all(np.isfinite(position))
+    keep = _all(np.abs(position) < _ENDLESS)
     if not dialect.lost_position:
         keep &= _all(np.isfinite(u))
     elif not keep.all():

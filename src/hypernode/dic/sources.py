@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from hypernode.dic.arrays import frames_of_arrays
+from hypernode.dic.arrays import arrays_in, frames_of_arrays
 from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_subsets
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.folder import Found
+from hypernode.dic.labels import said_of_labels
 from hypernode.dic.points import Points, read_points
+from hypernode.progress import say
 
 
 def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int], Points]]:
@@ -21,6 +23,9 @@ def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int]
         frames = frames_of_matrices(files, dialect)
     elif dialect.content == "arrays":
         frames = frames_of_arrays(files[0], dialect)
+        points = len(next(iter(frames.values())).position)
+        if told := said_of_labels(files[0], arrays_in(files[0]), dialect.arrays, points):
+            say("import", str(files[0].parent), told)
     elif dialect.content == "ncorr":
         frames = frames_of_ncorr(files[0], dialect)
     else:

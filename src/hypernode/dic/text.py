@@ -1,13 +1,15 @@
 """Text in whatever encoding a laboratory's software writes it."""
 
 import codecs
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
 
 #: Largest file that is read; a frame of ten million points is far below it.
 MAX_BYTES = 2_000_000_000
+#: Code pages of Japanese, Chinese, Cyrillic and Central European Windows.
+_CODE_PAGES = ("shift_jis", "gb18030", "cp1251", "cp1250")
 
 
 def read_text(path: Path, limit: int = MAX_BYTES) -> str:
@@ -32,6 +34,28 @@ def read_text(path: Path, limit: int = MAX_BYTES) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")
+
+
+def readings(path: Path) -> Iterator[str]:
+    """A file as text, then as the code pages of other alphabets have it, where it is not in UTF-8.
+
+    Only the words of a header differ: numbers are alike in all of them.
+
+    Raises:
+        DicError: as :func:`read_text`.
+    """
+    text = read_text(path)
+    yield text
+    content = path.read_bytes()
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) or content.isascii():
+        return
+    for code in _CODE_PAGES:
+        try:
+            other = content.decode(code)
+        except UnicodeDecodeError:
+            continue
+        if other != text:
+            yield other
 
 
 def refuse_cut_lines(paths: Iterable[Path]) -> None:

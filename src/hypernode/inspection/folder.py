@@ -22,7 +22,7 @@ from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
 from hypernode.inspection.forces import Course, courses, going_on
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
-from hypernode.inspection.load import LoadSeen, recognised
+from hypernode.inspection.load import HARDLY, LoadSeen, recognised
 from hypernode.inspection.records import Cycle, RecordFile, cycle_of_test, record_files, record_of_test
 from hypernode.inspection.size import size_known
 from hypernode.progress import heard
@@ -123,6 +123,8 @@ def _with_load(seen: Inspection) -> Inspection:
         seen = _and(seen, guessed("load", load.kind, load.reason))
     elif load.kind not in (None, given):
         seen = _and(seen, odd(f"it looks like {load.kind} and not {given}: {load.reason}", "load"))
+    elif load.kind is None and load.reason.startswith(HARDLY) and "displacement_factor" not in seen.known.settings:
+        seen = _and(seen, odd(load.reason, "displacement_factor"))
     return _and(seen, _unloading(seen))
 
 
@@ -168,7 +170,8 @@ def _with_forces(seen: Inspection) -> Inspection:
         seen = _and(seen, odd(contradicted, "frame_rate"))
     if cycle.record.image is None and clock is None:
         return _and(seen, missing(_no_clock(seen, cycle), "frame_rate"))
-    for sentence in going_on(cycle.record, clock, seen.field.numbers[-1]):
+    sides = (test.width, test.height) if seen.known.sized else None
+    for sentence in going_on(test, seen.kept, cycle.record, clock, sides):
         seen = _and(seen, odd(sentence, "frame_rate"))
     found, offsets = courses(test, seen.kept, cycle.record, clock)
     return replace(seen, courses=tuple(found), offsets=tuple(offsets))
@@ -182,8 +185,10 @@ def _record(seen: Inspection, test: SpecimenTest) -> tuple[Cycle | None, Known]:
             record = record_of_frames(seen.folder, series)
         except DicError as error:
             return None, missing(str(error), "force_file")
+        # A file of arrays says no unit at all, and the stiffness shows whether it is N.
         about = "the forces are those in the displacement files, some of which say N and mean V"
-        return Cycle(None, None, record), odd(about, "force_file")
+        arrays = seen.field.dialect == "arrays"
+        return Cycle(None, None, record), Known() if arrays else odd(about, "force_file")
     file, known = record_of_test(seen.files, seen.others, test, settings)
     if file is None:
         return None, known

@@ -9,12 +9,13 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.forces.checks import check_end
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.magnitude import crosshead_agrees
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import first_loading, mean_gradient, working_stretch
 from hypernode.dic.series import Series
-from hypernode.mechanics.loads import RESULTANTS
+from hypernode.mechanics.loads import RESULTANTS, tensile_axis
 
 
 @dataclass(frozen=True)
@@ -57,17 +58,25 @@ def courses(
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
 
 
-def going_on(record: ForceRecord, clock: FrameClock | None, last: int) -> list[str]:
-    """Sentences on forces that grow on after the last frame.
+def going_on(test: SpecimenTest, series: Series, record: ForceRecord, clock: FrameClock | None, sides) -> list[str]:
+    """Sentences on forces that grow on after the last frame, where no crosshead shows that frames are of their times.
 
     Args:
+        test: with its load.
+        series: the frames.
         record: of the machine.
         clock: when the frames were taken; None where nothing tells.
-        last: number of the last frame.
+        sides: of the sheet along x and y [mm]; None where they are not known.
     """
     if clock is None or record.image is not None or record.time is None:
         return []
-    end = float(clock.at(last))
+    axis = tensile_axis(test.load)
+    if sides is not None and axis is not None:
+        part, numbers = (axis, axis), [frame.number for frame in series.frames]
+        pull = pulls_of(test, record, [part], clock, numbers)[part]
+        if crosshead_agrees(test, pull, series, part, sides):
+            return []
+    end = float(clock.at(series.frames[-1].number))
     return list(dict.fromkeys(each.sentence for force in record.force.T for each in check_end(end, record.time, force)))
 
 

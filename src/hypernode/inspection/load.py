@@ -13,6 +13,8 @@ from hypernode.inspection.field import mean_gradients
 _FAR = 0.5
 #: Mean strain below which a sheet hardly deforms: no law of a soft material can be told from so little.
 LEAST_STRAIN = 1e-3
+#: How the reason of such a sheet begins.
+HARDLY = "the sheet hardly deforms"
 #: Uncertainties within which a mean gradient is none.
 _CHANCE = 3.0
 #: Shear over stretch from which both count; at its inverse the stretch no longer does.
@@ -82,7 +84,7 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
         size = f"its largest mean strain is {max(abs(shear), np.abs(stretch).max()):.2g}"
         if least > LEAST_STRAIN:
             return None, f"end lines scatter by more than the sheet deforms: {size}, known to {least / _CHANCE:.2g}"
-        return None, f"the sheet hardly deforms: {size}"
+        return None, f"{HARDLY}: {size}; or displacements are in another unit than positions, displacement_factor"
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:

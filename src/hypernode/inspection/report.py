@@ -13,8 +13,11 @@ from hypernode.inspection.records import Cycle
 
 #: Columns of the words in front of the sentences, and of a line.
 _INDENT, _WIDTH = 10, 118
-#: Orders of magnitude that a reader compares with.
-_KNOWN = "gels and soft tissue have up to 0.1 MPa, rubbers and skin 0.1 to 30, plastics some hundred"
+#: Orders of magnitude that a reader compares with, and what makes another of one.
+_KNOWN = (
+    "gels and soft tissue have up to 0.1 MPa, rubbers and skin 0.1 to 30, plastics some hundred. Only you can tell a "
+    "force in kilograms, pounds or grams that is said to be in N: --set force_factor=9.80665, =4.44822 or =0.00980665"
+)
 
 
 def report(seen: Inspection) -> list[str]:

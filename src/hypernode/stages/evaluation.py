@@ -1,12 +1,16 @@
 """Stage 9: how good an identified material is, on one scale for every run."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 
 from hypernode.config.geometries import Image
 from hypernode.config.model import Config
+from hypernode.config.specimens import Specimen
+from hypernode.dic.arrays import SUFFIXES
+from hypernode.dic.labels import labelled_shape
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.level_budget import level_budget, table
@@ -37,8 +41,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     shape = None
     if printed:
         corners = np.array(json.loads(measurement.attrs["field_corners"]))
-        inside = make_shape(Image(shape="image", path=printed))
-        shape = PrintedShape(inside, corners, config.specimens[case.specimen].shape_flipped)
+        shape = PrintedShape(*_printed(printed, config.specimens[case.specimen], corners))
     judged = judge(data, kind, stretches, shape)
     budget = level_budget(measurement, judged.variables["P_field"])
     verdict = judge_run(judged.summary, measurement, data.get("constrained"), budget=budget)
@@ -62,6 +65,14 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         },
         parents=opened,
     )
+
+
+def _printed(path: str, specimen: Specimen, corners: np.ndarray) -> tuple[Callable, np.ndarray, bool]:
+    """What is known of a printed shape: by an image, or by labels of points, which lie as the points do."""
+    if Path(path).suffix.lower() not in SUFFIXES:
+        return make_shape(Image(shape="image", path=path)), corners, specimen.shape_flipped
+    test = specimen.all_tests[0]
+    return labelled_shape(Path(path), test.arrays.model_dump(), test.y_points != "down"), corners, False
 
 
 def _trained_weights(file) -> int:

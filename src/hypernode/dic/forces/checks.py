@@ -176,6 +176,8 @@ def check_jumps(
 ) -> list[Finding]:
     """The force [N] does not jump between two samples by far more than between those around them, to stay or back."""
     steps = np.abs(np.diff(force))
+    if len(steps) < limits.samples_of_a_jump:
+        return []
     padded = np.pad(steps, 3)
     around = np.max([padded[k : k + len(steps)] for k in (0, 1, 5, 6)], axis=0)
     usual = np.median(steps[steps > 0.0]) if steps.any() else 0.0
@@ -183,7 +185,7 @@ def check_jumps(
     # Across a gap the force goes on, and by as much as it is long.
     apart = np.diff(time)
     jumps = np.flatnonzero((steps > least) & (apart < 2.0 * np.median(apart)))
-    if len(steps) < limits.samples_of_a_jump or not len(jumps):
+    if not len(jumps):
         return []
     at = jumps[0]
     return [

@@ -72,7 +72,8 @@ def _from_rates(frame_time, stretch, time, displacement) -> ClockOffset | None:
     the record the machine is: this pins a pull at one pace.
     """
     interval = float(np.median(np.diff(frame_time)))
-    reach = max(0.5 * (frame_time[-1] - frame_time[0]), 3.0 * interval)
+    # Half of the test, and no further than there are frames, of which some may be far apart.
+    reach = max(min(0.5 * (frame_time[-1] - frame_time[0]), len(frame_time) * interval), 3.0 * interval)
     rest = frame_time[0] - interval * np.arange(np.ceil(reach / interval), 0, -1)
     at = np.concatenate([rest, frame_time])
     pace = np.diff(np.concatenate([np.full(len(rest), stretch[0]), stretch])) / np.sqrt(np.diff(at))

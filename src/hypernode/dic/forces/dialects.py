@@ -48,14 +48,19 @@ class Dialect:
 TIME_NAMES = (
     *("time", "elapsed time", "total time", "running time", "test time", "t", "zeit", "gesamtzeit", "prüfzeit"),
     *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp"),
+    *("tiempo", "tempo", "tijd", "tid", "czas", "čas", "aika", "zaman", "время", "时间", "時間"),
 )
 FORCE_NAMES = (
     *("force", "load", "axial force", "axial load", "tensile force", "standard force", "force 1", "load cell", "f"),
     *("kraft", "last", "zugkraft", "standardkraft", "effort", "charge", "force axiale"),
+    *("fuerza", "carga", "forza", "carico", "força", "forca", "kracht", "siła", "sila", "síla", "voima", "kuvvet"),
+    *("сила", "усилие", "нагрузка", "力", "载荷", "负荷", "荷重", "試験力"),
 )
 WAY_NAMES = (
     *("displacement", "extension", "crosshead", "crosshead displacement", "position", "stroke", "axial displacement"),
     *("weg", "traversenweg", "standardweg", "verschiebung", "déplacement", "deplacement", "traverse", "allongement"),
+    *("desplazamiento", "spostamento", "corsa", "deslocamento", "verplaatsing", "förskjutning", "przemieszczenie"),
+    *("siirtymä", "перемещение", "位移", "変位", "ストローク"),
 )
 PICTURE_NAMES = (
     *("image", "image index", "image number", "image no", "image no.", "image file", "picture", "picture number"),
@@ -182,16 +187,18 @@ DIALECTS = (
         Dialect(
             name=name,
             program=f"a table of usual names with {written}",
-            time=TIME_NAMES,
+            time=time,
             force={PULL: FORCE_NAMES},
             displacement={PULL: WAY_NAMES},
+            image=image,
             units=units,
             preamble=20,
         )
+        for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))
         for name, units, written in (
-            ("usual_names_brackets", "brackets", "units in brackets"),
-            ("usual_names_suffix", "suffix", "units behind a line"),
-            ("usual_names", "row", "a line of units"),
+            (f"{usual}_brackets", "brackets", "units in brackets"),
+            (f"{usual}_suffix", "suffix", "units behind a line"),
+            (usual, "row", "a line of units"),
         )
     ),
 )
@@ -202,6 +209,9 @@ TIME_UNITS = {"s": 1.0, "S": 1.0, "sec": 1.0, "Sec": 1.0, "SEC": 1.0, "ms": 1e-3
 FORCE_UNITS = {
     "N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6,
     "daN": 10.0, "cN": 0.01, "kgf": 9.80665, "kp": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605,
+    "kg": 9.80665, "Kg": 9.80665, "KG": 9.80665, "Kgf": 9.80665, "KGF": 9.80665, "g": 9.80665e-3,
+    "lb": 4.4482216152605, "lbs": 4.4482216152605, "LBF": 4.4482216152605, "lbF": 4.4482216152605,
+    "Newton": 1.0, "newton": 1.0, "Newtons": 1.0, "newtons": 1.0,
 }  # fmt: skip
 LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3}
 STRESS_UNITS = {"MPa": 1.0, "N/mm2": 1.0, "N/mm²": 1.0, "N/mm^2": 1.0, "kPa": 1e-3, "Pa": 1e-6, "GPa": 1e3}

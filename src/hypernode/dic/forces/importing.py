@@ -11,6 +11,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.growth import growth_findings
 from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
 from hypernode.dic.forces.pairing import pairing_of
@@ -132,7 +133,7 @@ def import_forces(
             paired = pairing_of(test, pull, series, part)
             pairing = np.maximum(pairing, paired.relative(pull, chosen))
             found += crosshead_findings(test, pull, series, part, sides) + section_findings(pull, area)
-            found += paired.findings
+            found += paired.findings + growth_findings(test, pull, series, part)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))

@@ -15,6 +15,9 @@ from hypernode.mechanics.loads import tensile_axis
 #: Crosshead over elongation beyond which both cannot be of one sheet. Grips that slip, a machine that gives and a field
 #: that sees the softer middle of a longer sheet make up to three.
 _MORE, _MOST = 3.0, 7.0
+#: The same of a field that reaches over so much of the sheet that nothing is softer beside it: twice is grips that lose
+#: as much as the sheet gets longer, or frames taken at half the pace.
+_WHOLE, _MORE_OF_WHOLE = 0.8, 1.8
 #: The same below which the sheet moves more than what pulls it: half for a machine with a part measured on each side.
 _LESS, _LEAST = 0.8, 0.3
 #: Factors that units and settings make, and how near to one a ratio must be.
@@ -34,15 +37,41 @@ def crosshead_findings(
     test: SpecimenTest, pull: PullRecord, series: Series, part: Component, sides: tuple[float, float]
 ) -> list[Finding]:
     """What is strange about the crosshead's way, over a sheet that is pulled along it."""
-    if pull.displacement is None or tensile_axis(test.load) != part[0] or part[0] != part[1]:
+    courses = _courses(test, pull, series, part)
+    if courses is None:
         return []
+    side, lines = sides[part[0]], (series.x, series.y)[part[0]]
+    whole = (lines[-1] - lines[0]) * series.millimetres(test.pixel_size) >= _WHOLE * side
+    return check_crosshead(*courses, pull.time, pull.displacement, side, whole)
+
+
+def crosshead_agrees(
+    test: SpecimenTest, pull: PullRecord, series: Series, part: Component, sides: tuple[float, float]
+) -> bool:
+    """Whether the crosshead moves as the sheet gets longer, within a quarter: frames are then of their times."""
+    courses = _courses(test, pull, series, part)
+    moved = None if courses is None else _moved(*courses, pull.time, pull.displacement, sides[part[0]])
+    return moved is not None and _LESS <= moved[0] / moved[1] <= 1.0 / _LESS
+
+
+def _courses(test: SpecimenTest, pull: PullRecord, series: Series, part: Component):
+    """(mean stretch of the frames that the record reaches, their times); None where the crosshead tells nothing."""
+    if pull.displacement is None or tensile_axis(test.load) != part[0] or part[0] != part[1]:
+        return None
     numbers = np.array([frame.number for frame in series.frames])
     stretch = 1.0 + mean_gradient(series, *part)
     seen = np.isfinite(stretch) & pull.reached(numbers)
     if not seen[0] or seen.sum() < 2:
-        return []
-    time = pull.times(numbers[seen])
-    return check_crosshead(stretch[seen], time, pull.time, pull.displacement, sides[part[0]])
+        return None
+    return stretch[seen], pull.times(numbers[seen])
+
+
+def _moved(stretch, time, record_time, displacement, side: float) -> tuple[float, float] | None:
+    """(way of the crosshead, what the sheet gets longer) until the largest stretch [mm]; None where neither moves."""
+    moved = np.interp(time, record_time, displacement)
+    last = int(np.argmax(stretch))
+    longer, pulled = side * (stretch[last] - stretch[0]), abs(moved[last] - moved[0])
+    return None if longer < _LEAST_STRAIN * side or pulled < _LEAST_STRAIN * longer else (pulled, longer)
 
 
 def check_crosshead(
@@ -51,6 +80,7 @@ def check_crosshead(
     record_time: Float[np.ndarray, " sample"],
     displacement: Float[np.ndarray, " sample"],
     side: float,
+    whole: bool = False,
 ) -> list[Finding]:
     """The crosshead moves by about what the sheet gets longer.
 
@@ -58,22 +88,33 @@ def check_crosshead(
         stretch, time: mean stretch of the frames, and when they were taken [s].
         record_time, displacement: of the crosshead [s, mm].
         side: length of the sheet along the pull [mm].
+        whole: whether the field reaches over it.
     """
-    moved = np.interp(time, record_time, displacement)
-    first, last = 0, int(np.argmax(stretch))
-    longer, pulled = side * (stretch[last] - stretch[first]), abs(moved[last] - moved[first])
-    if longer < _LEAST_STRAIN * side or pulled < _LEAST_STRAIN * longer:
+    both = _moved(stretch, time, record_time, displacement, side)
+    if both is None:
         return []
+    pulled, longer = both
     ratio = pulled / longer
-    if _LESS <= ratio <= _MORE:
+    if _LESS <= ratio <= (_MORE_OF_WHOLE if whole else _MORE):
         return []
     refused = not _LEAST <= ratio <= _MOST
+    ways = "check the unit of the displacements, pixel_size and the size"
+    if refused and (factor := _power_of_ten(ratio)):
+        ways = f"--set displacement_factor={factor:g} where displacements are in another unit than positions; {ways}"
+    if not refused:
+        ways += "; frames may be taken at another pace, --frame-rate, or grips slip"
     sentence = (
         f"the crosshead moves by {pulled:.3g} mm until the largest stretch, and the sheet of {side:.4g} mm gets longer "
-        f"by {longer:.3g} mm: a factor of {factor_of(ratio)}; check the unit of the displacements, pixel_size and the "
-        "size, or say that the crosshead does not pull the ends of this sheet, --set crosshead=false"
+        f"by {longer:.3g} mm: a factor of {factor_of(ratio)}; {ways}; or say that the crosshead does not pull the ends "
+        "of this sheet, --set crosshead=false"
     )
     return [Finding(sentence, refused)]
+
+
+def _power_of_ten(ratio: float) -> float | None:
+    """The power of ten that a ratio nearly is; None where it is none."""
+    power = np.round(np.log10(ratio))
+    return float(10.0**power) if power and abs(np.log10(ratio) - power) < np.log10(1.0 + _NEAR) else None
 
 
 def section_findings(pull: PullRecord, area: float) -> list[Finding]:
@@ -83,7 +124,8 @@ def section_findings(pull: PullRecord, area: float) -> list[Finding]:
         return []
     sentence = (
         f"the record divides its force by a section of {own:.3g} mm2, and that of the sheet is {area:.3g} mm2: a "
-        f"factor of {factor_of(own / area, _FORCE_FACTORS)}; check the unit of the force, width and thickness"
+        f"factor of {factor_of(own / area, _FORCE_FACTORS)}; check width, thickness and "
+        f"the unit of the force, --set force_factor={area / own:.5g} if that is it"
     )
     return [Finding(sentence, False)]
 
@@ -122,7 +164,8 @@ def check_stiffness(
         return [
             Finding(
                 f"the force at frame {numbers[at]}, at the stretch {stretch[at]:.4g}, is {force[at]:.4g} N: a "
-                "stretched sheet pulls; check the sign of the record, force_offset and the clock",
+                "stretched sheet pulls; check the sign of the record, force_offset, and the clock (first_frame_time, "
+                "or picture_shift where pictures are named)",
                 True,
             )
         ]
@@ -141,10 +184,11 @@ def check_stiffness(
     middle = float(np.median(stiffness))
     what = f"a stiffness of {middle:.3g} MPa on {area:.4g} mm2 is that of no sheet"
     if middle < limits.softest:
-        findings.append(Finding(f"{what}: is the record in volts or in kN?", False))
+        findings.append(Finding(f"{what}: is the record in volts, or in kN, --set force_factor=1000?", False))
     elif middle > limits.stiffest:
-        findings.append(Finding(f"{what}: is the record in mN, or in counts?", False))
+        findings.append(Finding(f"{what}: is the record in mN, --set force_factor=0.001, or in counts?", False))
     elif middle > limits.flowing and stretch.max() > limits.stretched:
         what += f" that springs back from a stretch of {stretch.max():.3g}"
-        findings.append(Finding(f"{what}: is the record in mN, in grams or in counts, or the thickness wrong?", False))
+        units = "in mN (--set force_factor=0.001), in grams (=0.00980665) or in counts"
+        findings.append(Finding(f"{what}: is the record {units}, or the thickness off?", False))
     return findings

@@ -38,6 +38,8 @@ class Pairing:
         interval: between frames [s]; of a record that only numbers its pictures, that of their numbers.
         named: whether the record names the pictures.
         zero: what the curve has at rest, which a load cell's zero that is off would make as well [N].
+        with_crosshead: whether the crosshead begins to move with the sheet, as the curve of both shows it. A force that
+            begins before is no lag then, but a sheet that relaxes or bends.
     """
 
     seconds: float
@@ -45,12 +47,15 @@ class Pairing:
     interval: float
     named: bool
     zero: float
+    with_crosshead: bool = False
 
     @property
     def findings(self) -> list[Finding]:
         """A sentence where the forces seem to be those of other frames."""
         frames = self.seconds / self.interval
         if abs(frames) < _SAID or abs(self.seconds) < _DEVIATIONS * self.uncertainty:
+            return []
+        if self.with_crosshead and frames < 0.0:
             return []
         way = "later" if frames > 0.0 else "earlier"
         key, other = "force_time_offset", f"{self.seconds:.3g}"
@@ -91,7 +96,11 @@ def pairing_of(test: SpecimenTest, pull: PullRecord, series: Series, part: Compo
     if lag is None or abs(lag[0]) > _FARTHEST * interval:
         return Pairing(0.0, 0.0 if named else _UNTOLD * interval, interval, named, 0.0)
     given = test.picture_shift is not None if named else test.force_time_offset not in (None, "estimate")
-    return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named, lag[2])
+    together = False
+    if pull.displacement is not None and not named:
+        way = _of_curve(strain, time, np.interp(time, pull.time, np.abs(pull.displacement - pull.displacement[0])))
+        together = way is not None and max(abs(way[0]), way[1]) < _SAID * interval
+    return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named, lag[2], together)
 
 
 def _of_curve(strain, time, force) -> tuple[float, float, float] | None:

@@ -104,6 +104,7 @@ def _standing(time, force, moved, limits: SilenceLimits) -> tuple[list[Silence],
         stands[begin + 1 : end + 1] = True
         last = end == len(force) - 1
         top = "; the load cell is at its limit" if force[begin] == force.max() else ""
+        top += ", or frames were taken earlier than is said (frame_rate)" if top and last else ""
         until = "on" if last else f"to {time[end]:.4g} s"
         why = f"the force stands at {force[begin]:.4g} N from {time[begin]:.4g} s {until}, and the sheet is pulled on"
         found.append(Silence(time[begin], np.inf if last else time[end], why + top, closed=True))

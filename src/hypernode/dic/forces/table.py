@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.dialects import DIALECTS, Dialect
-from hypernode.dic.text import read_text, shown
+from hypernode.dic.text import readings, shown
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
 _TOO_SHORT = "needs a header, a line of units and at least one sample"
@@ -49,14 +49,13 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
     Raises:
         DicError: the file cannot be read, or no dialect has its header.
     """
-    text = read_text(path)
     known = [_timed(each, time) for each in DIALECTS if wanted in (None, each.name)]
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
     first: list[Row] = []
-    for each in known:
-        for delimiter in each.delimiters:
+    for text in readings(path):
+        for each, delimiter in ((dialect, sign) for dialect in known for sign in dialect.delimiters):
             rows = _cut(path, text, delimiter)
             first = first or rows
             table = _in_dialect(path, rows, each, channels, time)
@@ -68,8 +67,8 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
         raise DicError(f"{path}: {_TOO_SHORT}")
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
-        f"{path}:1: no column 'Force' or 'Time' among {shown(first[0][1])}, and the header is {program}: say which "
-        "columns they are, --set force_channel=NAME and --set time_channel=NAME, or rename them"
+        f"{path}:1: {shown(first[0][1])} are no known names of a force and of a time or picture, and the header is "
+        f"{program}: say which columns they are, --set force_channel=NAME and --set time_channel=NAME, or rename them"
     )
 
 

@@ -1,0 +1,92 @@
+"""Whether force and stretch go on together: a curve that stands, or skips, is of frames taken at other times."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.forces.checks import Finding
+from hypernode.dic.forces.matching import Component, PullRecord
+from hypernode.dic.frames import first_loading, working_stretch
+from hypernode.dic.series import Series
+
+#: Share of the whole stretch over which the end of a curve is looked at.
+_END = 0.25
+#: Growth over that end, over the mean one, below which the force stands. A sheet of rubber at three times its length
+#: has three quarters, one that loses its stiffness to damage a third.
+_STANDS = 0.1
+#: Fewest frames of the end, and before it.
+_FEWEST = 3
+#: How much less the force grows with the stretch between two frames than before and after them, from which pictures are
+#: missing there: one that is missing makes it half. And the scatter of that ratio beyond which it is told.
+_SKIPS, _DEVIATIONS = 1.6, 6.0
+#: Share of the usual step of the stretch below which a step tells no slope, and fewest steps.
+_STEP, _STEPS = 0.25, 6
+
+
+def growth_findings(test: SpecimenTest, pull: PullRecord, series: Series, part: Component) -> list[Finding]:
+    """What is strange about the end of a test's first loading, as far as the record tells its force."""
+    numbers, course = first_loading(series, working_stretch(series, test.load, *part))
+    told = pull.reached(numbers)
+    if not told.any():
+        return []
+    numbers, course, force = numbers[told], course[told], pull.forces(numbers[told])
+    return check_growth(course, force) + ([] if pull.image is not None else check_pace(course, force, numbers))
+
+
+def check_growth(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> list[Finding]:
+    """The force [N] grows over the last quarter of the stretch.
+
+    Args:
+        stretch: of the frames of one loading, the reference first.
+        force: of the same frames.
+    """
+    if len(stretch) < 2 * _FEWEST or not (force[-1] > force[0] and stretch[-1] > stretch[0]):
+        return []
+    begin = stretch[-1] - _END * (stretch[-1] - stretch[0])
+    end = stretch >= begin
+    if end.sum() < _FEWEST or (~end).sum() < _FEWEST or np.ptp(stretch[end]) == 0.0:
+        return []
+    slope = np.polyfit(stretch[end], force[end], 1)[0]
+    mean = (force.max() - force[0]) / (stretch[-1] - stretch[0])
+    if slope > _STANDS * mean:
+        return []
+    low, high = force[end].min(), force[end].max()
+    sentence = (
+        f"while the stretch goes on from {begin:.4g} to {stretch[-1]:.4g}, the force stays between {low:.4g} and "
+        f"{high:.4g} N: a sheet that yields or tears, grips that slip, or frames that were taken earlier than is said; "
+        "check frame_rate (--frame-rate) and first_frame_time"
+    )
+    return [Finding(sentence, False)]
+
+
+def check_pace(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"]
+) -> list[Finding]:
+    """The force [N] grows with the stretch between any two frames about as it does before and after them.
+
+    A sheet whose slope is lower between two frames only is none: pictures that were dropped there make it so, since the
+    record is read as many frames too early from then on.
+
+    Args:
+        stretch: of the frames of one loading, the reference first.
+        force: of the same frames, by their times.
+        numbers: of the frames, for the message.
+    """
+    step, rise = np.diff(stretch), np.diff(force)
+    if len(step) < _STEPS or (step <= _STEP * np.median(step)).any() or (rise <= 0.0).any():
+        return []
+    slope = np.log(rise / step)
+    less = 0.5 * (slope[:-2] + slope[2:]) - slope[1:-1]
+    k = int(np.argmax(less))
+    # A step that stands out bends the curve on both of its sides as well.
+    others = np.delete(less, slice(max(k - 1, 0), k + 2))
+    scatter = np.sqrt(np.mean(others**2)) if len(others) > 1 else np.inf
+    if less[k] < max(np.log(_SKIPS), _DEVIATIONS * scatter) or abs(slope[k + 2] - slope[k]) > 0.5 * less[k]:
+        return []
+    before, after, times = numbers[k + 1], numbers[k + 2], float(np.exp(less[k]))
+    sentence = (
+        f"between frames {before} and {after} the stretch goes on by {times:.2g} times as much for the force as before "
+        f"and after: the camera may have dropped {max(round(times) - 1, 1)} pictures there. Number the files after it "
+        "by as many more, or name pictures in the record, a column Image"
+    )
+    return [Finding(sentence, False)]
