@@ -33,7 +33,9 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
         "reference/commands.md": commands.page(command),
         "reference/interface.md": interface.page(root / "src" / "hypernode"),
         "decisions/index.md": decisions.page(folder) + decisions.menu(folder),
-        "gallery.md": gallery.page(results, made / "figures"),
+        "gallery.md": gallery.page(
+            (made / "gallery.md").read_text(encoding="utf-8"), results, made / "results_figures"
+        ),
     }
     for name, text in pages.items():
         (made / name).parent.mkdir(parents=True, exist_ok=True)
