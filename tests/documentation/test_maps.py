@@ -19,7 +19,7 @@ MOST_FILES = 3
 
 def rows():
     """(files to look at, tests that hold them) of every question of CONTRIBUTING."""
-    text = (ROOT / "CONTRIBUTING.md").read_text()
+    text = (ROOT / "CONTRIBUTING.md").read_text().split("\n## ")[1]
     table = [line.split("|")[1:-1] for line in text.splitlines() if line.startswith("| ")]
     return {what.strip(): (PATH.findall(files), PATH.findall(tests)) for what, files, tests in table[1:]}
 
