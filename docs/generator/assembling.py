@@ -21,7 +21,7 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
     """
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(root / "docs", target / "docs", ignore=shutil.ignore_patterns("generator", "__pycache__"))
-    for name in ("config/README.md", "CHANGELOG.md"):
+    for name in ("config/README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(root / name, target / name)
     made, folder = target / "docs", root / "docs" / "decisions"

@@ -32,6 +32,7 @@ NAVIGATION = {
             "peers",
             "decisions/index",
             "../CHANGELOG",
+            "../CONTRIBUTING",
         ),
     ),
 }
