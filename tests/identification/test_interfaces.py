@@ -5,6 +5,7 @@ import pytest
 
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
+from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.points import Points
 from hypernode.identification.sheet import Sheet
@@ -67,7 +68,7 @@ def test_forces_change_with_every_number_as_their_derivative_says(subcells):
 
 @pytest.mark.parametrize("subcells", [1, 2])
 def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
-    field = coats(X - 4.6, subcells=subcells).changing(0.1 * np.arange(100.0) % 7)
+    field = coats(X - 4.6, subcells=subcells).changing(0.1 * np.arange(100.0) % 7, BENDS[0])
     mesh = field.lines.fine.mesh
     u, moves = 0.1 * mesh.nodes, field.moves(1.3)
     of, _ = field.cells()
@@ -80,7 +81,7 @@ def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
 
 def test_a_gradual_change_is_about_the_one_that_was_given():
     wanted = 0.3 * np.sin(0.2 * GRID.nodes[GRID.cells].mean(axis=1)[:, 0])
-    assert np.abs(coats().changing(wanted).grid_factor() - wanted).max() < 0.1
+    assert np.abs(coats().changing(wanted, BENDS[0]).grid_factor() - wanted).max() < 0.1
 
 
 def test_nothing_jumps_where_a_line_leaves_a_cell_that_another_cuts():

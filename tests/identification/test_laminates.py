@@ -32,6 +32,18 @@ def test_layers_of_one_material_are_that_material():
     np.testing.assert_allclose(stress(second=FIRST), POINTS.stress(F, FIRST)[0], atol=1e-12)
 
 
+def test_a_thin_soft_layer_carries_the_traction_of_a_stiff_one_at_any_jump():
+    stretched, share = np.tile(np.diag([1.3, 1.2])[:, :, None], (1, NUMBER)), np.full(NUMBER, 1e-3)
+    soft, stiff = FIRST - np.array([[3.0], [0.0], [0.0]]), FIRST + np.array([[1.0], [0.0], [0.0]])
+    answer = laminate(POINTS, stretched, soft, stiff, share, NORMAL, False)
+    of_stiff = POINTS.stress(stretched, stiff)[0]
+    np.testing.assert_allclose(answer.P, of_stiff, rtol=0.02, atol=0.02 * np.abs(of_stiff).max())
+    along = RANDOM.normal(size=(2, 2, 1))
+    changed = (stress(stretched + 1e-6 * along, soft, stiff, share) - stress(stretched, soft, stiff, share)) / 1e-6
+    predicted = np.einsum("iJkLn,kLm->iJn", answer.by_F, along)
+    np.testing.assert_allclose(predicted, changed, rtol=1e-3, atol=1e-3 * np.abs(changed).max())
+
+
 def test_stress_is_the_derivative_of_a_mean_energy_that_no_jump_lowers():
     """Of the energies of both sides at the jump that tractions choose, and at jumps near it."""
 

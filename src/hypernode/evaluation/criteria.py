@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import xarray as xr
 
-from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
@@ -37,16 +37,16 @@ def judge_run(
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
-    explained = _displacements(summary, constrained, settings)
+    explained = judge_displacements(summary, constrained, settings)
     return Verdict(
         (
             _convergence(summary, explained),
             explained,
             *_window(measurement, constrained, settings),
-            _places(summary, settings),
+            judge_places(summary, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
-            _left_out(constrained, settings),
+            judge_left_out(constrained, settings),
             _law(constrained, settings),
             _networks(summary, settings),
             _equilibrium(summary, measurement, settings),
@@ -71,41 +71,6 @@ def _convergence(summary, explained: Criterion) -> Criterion:
     return Criterion(name, Level.WARNED, f"{sentence}.")
 
 
-def _displacements(summary, constrained, settings: Settings) -> Criterion:
-    """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
-    name = "displacements"
-    if constrained is None:
-        return not_judged(name, "The method computes no displacements.")
-    observed = int(constrained.attrs["observed_displacements"])
-    noisy = json.loads(constrained.attrs["noise_rules_displacements"])
-    value = float(summary["displacement_misfit"])
-    judged = _misfit(name, value, noisy, observed, settings)
-    believed = BelievedNoise.read(constrained.attrs)
-    if judged.level is not Level.PASSED:
-        return judged
-    if believed.factor < 1.0:
-        sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
-        return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
-    if believed.source is NoiseSource.FRAMES:
-        sentence = (
-            "The noise is not as stated, as frames and field agree; the field was identified with what they tell."
-        )
-        return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
-    return judged
-
-
-def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Settings) -> Criterion:
-    words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
-    if noisy and value < settings.misfit_low:
-        sentence = (
-            f"{words} {value:.2f}, less than {settings.misfit_low:.2f}: the noise is stated too large, or is fitted."
-        )
-        return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
-    by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
-    threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
-    return limited(name, words, value, threshold, "{:.2f}".format)
-
-
 def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
     """How well a field knows the window which it had to find; none where it had not to."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
@@ -119,17 +84,6 @@ def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ..
     known = found.error / found.side
     level = Level.PASSED if known <= settings.window_known else Level.WARNED
     return (Criterion("window", level, sentence, known, settings.window_known),)
-
-
-def _places(summary, settings: Settings) -> Criterion:
-    name = "places"
-    if "unexplained_share" not in summary:
-        return not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
-    words = (
-        f"Displacements are missed by more than chance, up to {summary['largest_local_misfit']:.2f} times as much, in"
-    )
-    words = words if summary["unexplained_share"] else "Displacements are missed by more than chance in"
-    return limited(name, words, summary["unexplained_share"], settings.places, lambda v: f"{percent(v)} of the sheet")
 
 
 def _outliers(measurement, settings: Settings) -> Criterion:
@@ -146,24 +100,6 @@ def _forces(summary, measurement, threshold: Threshold) -> Criterion:
         sentence = "No force was recorded: every stress is known up to one factor, and its level is a convention."
         return Criterion("forces", Level.WARNED, sentence)
     return limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
-
-
-def _left_out(constrained, settings: Settings) -> Criterion:
-    """Whether the largest steps are predicted from the others, displacements and forces: the worse of the two."""
-    name = "prediction"
-    if constrained is None:
-        return not_judged(name, "The method predicts no load step from others.")
-    if "left_out" not in constrained.attrs:
-        return not_judged(name, "No load step can be left out: there is one a load case, or nothing is left to chance.")
-    left_out = json.loads(constrained.attrs["left_out"])
-    words = "Over noise and the field's spread, {} of the largest load steps, predicted from the others, are missed by"
-    by_chance = settings.chance / math.sqrt(2.0 * left_out["observed"])
-    displacements = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
-    judged = [("displacements", left_out["displacement"], displacements)]
-    if left_out["force"] is not None:
-        judged.append(("forces", left_out["force"], settings.force))
-    found = [limited(name, words.format(what), value, limit, "{:.2f}".format) for what, value, limit in judged]
-    return max(found, key=lambda each: each.level.rank)
 
 
 def _law(constrained, settings: Settings) -> Criterion:

@@ -5,7 +5,9 @@ import json
 import numpy as np
 import xarray as xr
 
+from hypernode.evaluation.explained import unexplained_share
 from hypernode.evaluation.judgement import Judgement
+from hypernode.evaluation.thresholds import SETTINGS
 
 
 def score_ending(constrained: xr.Dataset) -> Judgement:
@@ -34,6 +36,6 @@ def score_ending(constrained: xr.Dataset) -> Judgement:
         if left_out["force"] is not None:
             summary["left_out_force_misfit"] = left_out["force"]
     if "unexplained" in constrained:
-        summary["unexplained_share"] = float(np.mean(constrained["unexplained"].values))
+        summary["unexplained_share"] = unexplained_share(constrained, SETTINGS)
         summary["largest_local_misfit"] = float(np.nanmax(constrained["local_misfit"].values))
     return Judgement(summary=summary)

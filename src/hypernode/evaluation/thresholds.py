@@ -27,9 +27,12 @@ class Settings:
     window_known: float = 0.1
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
-    #: Share of the sheet in which displacements are not explained: chance makes none, and what is not explained in a
-    #: quarter of the sheet is not a place.
-    places: Threshold = Threshold(0.0, 0.25)
+    #: Deformation between neighbouring points, over the largest of a test, that counts for no stress: as much as an
+    #: extensometer of class 1 may miss after ISO 9513.
+    deformation: float = 0.01
+    #: Share of the sheet in which displacements are not explained: corners of clamps are a fiftieth of it, and what is
+    #: not explained in a quarter of the sheet is not a place.
+    places: Threshold = Threshold(0.02, 0.25)
     #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
     outliers: Threshold = Threshold(0.01, 0.10)
     #: Uncertainties by which forces may be missed: three by chance, and ten by no chance and no drift of a load cell.

@@ -16,8 +16,8 @@ from hypernode.fem.mesh import Mesh
 
 #: Cells of the measured grid between knots: what changes within fewer is no gradual change but a line.
 CELLS = 5
-#: Usual second difference of neighbouring coefficients, and their usual size.
-BEND, SIZE = 0.2, 2.0
+#: Usual second differences of neighbouring coefficients that are tried, and the usual size of coefficients.
+BENDS, SIZE = (0.2, 0.05, 0.0125), 2.0
 DEGREE = 3
 
 
@@ -28,21 +28,23 @@ class Splines:
     Attributes:
         fine, grid: values in the cells of the finite elements and of the measured grid, by coefficient (cell, spline).
         held: inverse covariance of the coefficients without data (spline, spline).
+        bend: usual second difference of neighbouring coefficients.
     """
 
     fine: scipy.sparse.csr_matrix
     grid: scipy.sparse.csr_matrix
     held: scipy.sparse.csr_matrix
+    bend: float
 
     @classmethod
-    def of(cls, grid: Mesh, fine: Mesh) -> "Splines":
+    def of(cls, grid: Mesh, fine: Mesh, bend: float) -> "Splines":
         """On a measured grid and the mesh that divides it."""
         counts = [max(round((len(line) - 1) / CELLS), 1) for line in grid.lines]
         x, y = (scipy.sparse.identity(count + DEGREE) for count in counts)
         across, up = (_second_differences(count + DEGREE) for count in counts)
-        bends = scipy.sparse.vstack([scipy.sparse.kron(y, across), scipy.sparse.kron(up, x)]) / BEND
+        bends = scipy.sparse.vstack([scipy.sparse.kron(y, across), scipy.sparse.kron(up, x)]) / bend
         held = bends.T @ bends + scipy.sparse.identity(bends.shape[1]) / SIZE**2
-        return cls(_values(fine, grid, counts), _values(grid, grid, counts), held.tocsr())
+        return cls(_values(fine, grid, counts), _values(grid, grid, counts), held.tocsr(), bend)
 
     def fitted(self, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " spline"]:
         """Coefficients whose values in the cells of the grid are about the given ones."""

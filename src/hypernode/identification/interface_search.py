@@ -16,6 +16,7 @@ from hypernode.data.information import information_of
 from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.force_course import check_forces
+from hypernode.identification.gradual import BENDS
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
@@ -83,6 +84,8 @@ class Search:
 
     def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
         self._trials = Trials(measurement, settings, name, strategy)
+        #: What a factor in every cell leaves of the displacements, once one was fitted.
+        self._by_cell = np.inf
         stated = float(measurement.attrs["correlation_window"]) > 0.0
         self._finds = not stated and window_uncertainty(measurement) > 0.0
 
@@ -100,6 +103,9 @@ class Search:
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
+        if kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * self._by_cell:
+            say("constrained", trials.name, "few materials leave far more than a factor in every cell")
+            return None
         finer = self._finer(kept)
         for _ in range(ROUNDS):
             more = self._parts(kept) if finer.misses_deformation and not len(kept.fit.field.gradual) else kept
@@ -110,7 +116,7 @@ class Search:
         return answer(trials, finer, self._finds)
 
     def _parts(self, begun: Candidate) -> Candidate | None:
-        """As many materials more as explain more than they cost; None where a field of cells explains far more.
+        """As many materials more as explain more than they cost; None without equilibrium.
 
         Where they are is told by what a factor of the stiffness in every cell explains, on top of what is known.
         """
@@ -142,26 +148,38 @@ class Search:
             # A factor in every cell leaves what more materials might explain.
             if not kept.leaves_more_than_noise or kept.fit.misfit <= stiffness.misfit:
                 break
-        if first and (kept.leaves_more_than_noise or kept.fit.field.count > 2):
-            kept = self._gradual(begun, known.changing(stiffness.factor), u, kept)
+        if first:
+            kept = self._gradual(begun, known, stiffness.factor, u, kept)
         if len(kept.fit.field.gradual):
             return kept
-        if first and kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * stiffness.misfit:
-            say("constrained", trials.name, "few materials leave far more than a factor in every cell")
-            return None
         return self._merged(kept)
 
-    def _gradual(self, begun: Candidate, field: Interfaces, u, kept: Candidate) -> Candidate:
-        """One material that changes gradually, where that explains more than the few materials that were kept."""
-        trials, move = self._trials, "a gradual change"
-        found = trials.descend(move, begun, begun.problem, field, u, self._steps, STEPS)
-        if found is None:
+    def _gradual(self, begun: Candidate, known: Interfaces, factor, u, kept: Candidate) -> Candidate:
+        """One material that changes gradually, where few materials explain the test no better.
+
+        A change that bends less is of fewer numbers. It is tried as long as what they cost may decide.
+        """
+        trials, best = self._trials, None
+        for bend in BENDS:
+            move, field = f"a gradual change, bends of {bend:g}", known.changing(factor, bend)
+            found = trials.descend(move, begun, begun.problem, field, u, self._steps, STEPS)
+            gain = -np.inf if found is None else np.inf if best is None else found.gain_over(best)
+            if found is None or gain <= 0.0:
+                if found is not None:
+                    trials.passed_over(found, f"scores {-gain:+.1f} against larger bends")
+                break
+            if best is not None:
+                trials.passed_over(best, f"scores {gain:+.1f} against smaller bends")
+            best, factor, u = found, found.fit.field.grid_factor(), found.u
+            if best.gain_over(kept) < -best.fit.determined:
+                break
+        if best is None:
             return kept
-        gain = found.gain_over(kept)
-        if gain > EVIDENCE:
-            trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change")
-            return found
-        trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
+        gain = best.gain_over(kept)
+        if gain > -EVIDENCE:
+            trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
+            return best
+        trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
         return kept
 
     def _factor_of_cells(self, begun: Candidate, known: Interfaces):
@@ -174,6 +192,7 @@ class Search:
         if stiffness is None:
             return None, begun.u
         say("constrained", trials.name, f"a factor of the stiffness in every cell: missed by {stiffness.misfit:.3g}")
+        self._by_cell = min(self._by_cell, stiffness.misfit)
         return stiffness, {**begun.u, **{k: state[0] for k, state in zip(last, stiffness.states, strict=True)}}
 
     def _with_law(self, kept: Candidate) -> Candidate:

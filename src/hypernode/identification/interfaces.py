@@ -43,7 +43,7 @@ class Lines:
         found = cls(ContourLines(grid), ContourLines(refinement.mesh), per_side * refinement.interpolation)
         if like is None:
             return found
-        splines = None if like.splines is None else Splines.of(grid, refinement.mesh)
+        splines = None if like.splines is None else Splines.of(grid, refinement.mesh, like.splines.bend)
         return dataclasses.replace(found, apart=like.apart, splines=splines)
 
 
@@ -191,13 +191,14 @@ class Interfaces:
         """The same on other finite elements of the same grid."""
         return dataclasses.replace(self, lines=lines)
 
-    def changing(self, factor: Float[np.ndarray, " cell"]) -> "Interfaces":
+    def changing(self, factor: Float[np.ndarray, " cell"], bend: float) -> "Interfaces":
         """The same, on top of which a factor changes gradually, about as this one.
 
         Args:
             factor: its logarithm in every cell of the measured grid.
+            bend: of :class:`Splines`.
         """
-        splines = Splines.of(self.lines.grid.mesh, self.lines.fine.mesh)
+        splines = Splines.of(self.lines.grid.mesh, self.lines.fine.mesh, bend)
         lines = dataclasses.replace(self.lines, splines=splines)
         return dataclasses.replace(self, lines=lines, gradual=splines.fitted(factor))
 

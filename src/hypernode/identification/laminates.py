@@ -17,9 +17,9 @@ from jaxtyping import Float
 from hypernode.identification.points import Points
 
 #: Newton steps for the jump at most, and the change of it that ends them.
-STEPS, SMALL = 12, 1e-10
-#: Largest change of the jump in a step, so that no side is turned inside out on the way.
-LARGEST = 0.2
+STEPS, SMALL = 30, 1e-10
+#: Share of the way to where a side would have no area that a step goes at most.
+NEAREST = 0.8
 
 
 class LaminateStress(NamedTuple):
@@ -46,22 +46,9 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
         normal: of the plane (2, point).
         with_parameters: whether derivatives by parameters, share and normal are wanted.
     """
-    c, N, a = share, normal, np.zeros_like(normal)
-
-    def sides(a):
-        across = a[:, None] * N[None]
-        return F + (1.0 - c) * across, F - c * across
-
-    for _ in range(STEPS):
-        F_A, F_B = sides(a)
-        (P_A, A), (P_B, B) = points.stress(F_A, first), points.stress(F_B, second)
-        gap = np.einsum("iJn,Jn->in", P_A - P_B, N)
-        change = -_solved(_across(c, A, B, N), gap)
-        size = np.sqrt((change**2).sum(axis=0))
-        if not (size > SMALL).any():
-            break
-        a = a + change * np.minimum(1.0, LARGEST / np.maximum(size, LARGEST))
-    F_A, F_B = sides(a)
+    c, N = share, normal
+    a = _jump(points, F, first, second, share, normal)
+    F_A, F_B = _sides(F, c, a, N)
     if with_parameters:
         P_A, A, D_A = points.all(F_A, first)
         P_B, B, D_B = points.all(F_B, second)
@@ -92,6 +79,43 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
     gap_by_normal = np.einsum("iJkLn,kn,Jn->iLn", (1.0 - c) * A + c * B, a, N) + P_A - P_B
     by_normal = c * (1.0 - c) * np.einsum("iJkLn,kn->iJLn", difference, a) + through_jump(gap_by_normal)
     return LaminateStress(P, by_F, by_first, by_second, by_share, by_normal)
+
+
+def _sides(F, c, a, N):
+    """Deformation gradients of both sides of a jump."""
+    across = a[:, None] * N[None]
+    return F + (1.0 - c) * across, F - c * across
+
+
+def _jump(points: Points, F, first, second, share, normal) -> Float[np.ndarray, "2 point"]:
+    """The jump at which tractions agree: the minimum of the energy of both sides, which is convex in it.
+
+    Steps of Newton's method end before a side is turned inside out; points whose jump is found take no part in the
+    next ones.
+    """
+    jump, open_ = np.zeros_like(normal), np.arange(len(share))
+    for _ in range(STEPS):
+        c, N, a, mean = share[open_], normal[:, open_], jump[:, open_], F[..., open_]
+        F_A, F_B = _sides(mean, c, a, N)
+        (P_A, A), (P_B, B) = points.stress(F_A, first[:, open_]), points.stress(F_B, second[:, open_])
+        change = -_solved(_across(c, A, B, N), np.einsum("iJn,Jn->in", P_A - P_B, N))
+        # Areas change with the jump in proportion.
+        falls = (np.stack([-(1.0 - c), c]) * _area_by_jump(mean, change, N)) / np.stack([_area(F_A), _area(F_B)])
+        jump[:, open_] = a + change * np.minimum(1.0, NEAREST / np.maximum(falls.max(axis=0), NEAREST))
+        open_ = open_[np.sqrt((change**2).sum(axis=0)) > SMALL]
+        if not len(open_):
+            break
+    return jump
+
+
+def _area(F):
+    """Determinant at every point."""
+    return F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
+
+
+def _area_by_jump(F, a, N):
+    """By how much a x N, added to F, changes its determinant."""
+    return (F[1, 1] * N[0] - F[1, 0] * N[1]) * a[0] + (F[0, 0] * N[1] - F[0, 1] * N[0]) * a[1]
 
 
 def _across(c, A, B, N):

@@ -30,7 +30,7 @@ from hypernode.fem.transfer import transfer
 from hypernode.identification.boundary import ROUNDING, Boundary, boundary_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
-from hypernode.identification.window_error import window_errors, with_errors_of_elements
+from hypernode.identification.window_error import grid_step, window_errors, with_errors_of_elements
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,16 @@ class Observations:
         """Mean deformation gradient of the sheet."""
         area = self.grid.areas / self.grid.areas.sum()
         return np.einsum("scij,c->ijs", deformation_gradient(self.grid, self.u), area)
+
+    @property
+    def noise_deformation(self) -> float:
+        """Deformation that errors of displacements make between neighbouring points, over the largest of the sheet.
+
+        The gradient at the centre of a cell follows from its four corners. The norm of what independent errors of the
+        size s make of it is 2 s over the side of the cell.
+        """
+        largest = np.linalg.norm(self.mean_F - np.eye(2)[:, :, None], axis=(0, 1)).max()
+        return float(2.0 * self.sigma * self.scatter / (grid_step(self.grid) * largest))
 
     def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Observations":
         """Those of some of the load steps, as uncertain as in the whole test."""

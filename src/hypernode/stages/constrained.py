@@ -65,6 +65,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **({} if window is None else window.stored()),
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
+            "noise_deformation": problem.observations.noise_deformation,
             "materials": found.material_count,
             "layered": found.layered,
             **({"line_error": found.line_error} if found.layered else {}),

@@ -1,0 +1,113 @@
+"""Whether displacements are explained: by their noise, or up to deformation that is too small to count.
+
+What is missed beyond chance shows that something is not as it was described. How much of the stress that may cost is
+told by the deformation that it stands for. A precise camera sees differences that change no stress.
+"""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import xarray as xr
+
+from hypernode.data.believed_noise import BelievedNoise, NoiseSource
+from hypernode.evaluation.limits import limited, not_judged, percent
+from hypernode.evaluation.thresholds import Settings, Threshold
+from hypernode.verdict import Criterion, Level
+
+#: What a level becomes where what is missed is too small to count.
+LESS = {Level.FAILED: Level.WARNED, Level.WARNED: Level.PASSED}
+
+
+def missed_deformation(misfit, constrained: xr.Dataset):
+    """Deformation between neighbouring points that is missed beyond noise, over the largest of the test.
+
+    Args:
+        misfit: root mean square over the noise, a number or an array.
+        constrained: an opened field.
+    """
+    return (misfit**2 - 1.0).clip(0.0) ** 0.5 * float(constrained.attrs["noise_deformation"])
+
+
+def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
+    """Share of the cells where displacements are missed by more than chance, and by deformation that counts."""
+    # Local misfits are over that of the sheet where that is more than noise.
+    usual = max(float(json.loads(constrained.attrs["misfits"])["displacement"]), 1.0)
+    counts = missed_deformation(usual * constrained["local_misfit"], constrained) > settings.deformation
+    return float(((constrained["unexplained"] == 1) & counts).mean())
+
+
+def judge_displacements(summary, constrained: xr.Dataset | None, settings: Settings) -> Criterion:
+    """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
+    name = "displacements"
+    if constrained is None:
+        return not_judged(name, "The method computes no displacements.")
+    observed = int(constrained.attrs["observed_displacements"])
+    noisy = json.loads(constrained.attrs["noise_rules_displacements"])
+    value = float(summary["displacement_misfit"])
+    judged = _misfit(name, value, noisy, observed, settings)
+    judged = _as_it_counts(judged, value, constrained, settings) if noisy else judged
+    believed = BelievedNoise.read(constrained.attrs)
+    if judged.level is not Level.PASSED:
+        return judged
+    if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
+        sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
+        return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
+    if believed.source is NoiseSource.FRAMES:
+        sentence = (
+            "The noise is not as stated, as frames and field agree; the field was identified with what they tell."
+        )
+        return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
+    return judged
+
+
+def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Settings) -> Criterion:
+    words = f"The misfit of displacements over {'their noise' if noisy else 'the error of finite elements'} is"
+    if noisy and value < settings.misfit_low:
+        sentence = (
+            f"{words} {value:.2f}, less than {settings.misfit_low:.2f}: the noise is stated too large, or is fitted."
+        )
+        return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
+    by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
+    threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
+    return limited(name, words, value, threshold, "{:.2f}".format)
+
+
+def _as_it_counts(judged: Criterion, misfit: float, constrained: xr.Dataset, settings: Settings) -> Criterion:
+    """One level less where a misfit stands for a deformation that does not count."""
+    missed = float(missed_deformation(np.float64(misfit), constrained))
+    if misfit <= 1.0 or judged.level not in LESS or not missed <= settings.deformation:
+        return judged
+    sentence = f"{judged.sentence} That stands for {percent(missed)} of the deformation, which counts for no stress."
+    return dataclasses.replace(judged, level=LESS[judged.level], sentence=sentence)
+
+
+def judge_places(summary, settings: Settings) -> Criterion:
+    """How much of the sheet is missed by more than chance, and by deformation that counts."""
+    name = "places"
+    if "unexplained_share" not in summary:
+        return not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
+    share = summary["unexplained_share"]
+    words = f"Displacements are missed by more than chance and {percent(settings.deformation)} of the deformation"
+    words += f", up to {summary['largest_local_misfit']:.2f} times as much, in" if share else " in"
+    return limited(name, words, share, settings.places, lambda v: f"{percent(v)} of the sheet")
+
+
+def judge_left_out(constrained: xr.Dataset | None, settings: Settings) -> Criterion:
+    """Whether the largest steps are predicted from the others, displacements and forces: the worse of the two."""
+    name = "prediction"
+    if constrained is None:
+        return not_judged(name, "The method predicts no load step from others.")
+    if "left_out" not in constrained.attrs:
+        return not_judged(name, "No load step can be left out: there is one a load case, or nothing is left to chance.")
+    left_out = json.loads(constrained.attrs["left_out"])
+    words = "Over noise and the field's spread, {} of the largest load steps, predicted from the others, are missed by"
+    by_chance = settings.chance / math.sqrt(2.0 * left_out["observed"])
+    limit = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
+    misfit = left_out["displacement"]
+    of_u = limited(name, words.format("displacements"), misfit, limit, "{:.2f}".format)
+    judged = [_as_it_counts(of_u, misfit, constrained, settings)]
+    if left_out["force"] is not None:
+        judged.append(limited(name, words.format("forces"), left_out["force"], settings.force, "{:.2f}".format))
+    return max(judged, key=lambda each: each.level.rank)
