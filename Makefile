@@ -13,7 +13,7 @@ unexport PYTHONPATH
 endif
 
 .PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
-    slurm wheel pythons docs doctest report bench next-test strangers family challenge peers clean
+    slurm wheel pythons docs doctest release report bench next-test strangers family challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
@@ -130,6 +130,10 @@ docs: $(VENV)/run $(DOCS)/run
 doctest: $(VENV)/dev
 	$(BIN)/python -m pytest -q -rs tests/documentation --blocks
 
+# What a release carries: the wheel in dist/, and the documentation in site/.
+release: $(VENV)/run docs
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+
 ## Accuracy and speed
 
 # Many noisy tests of known sheets, without networks, into results/: over an hour. Fails beyond stated bounds.
@@ -206,4 +210,4 @@ $(DOCS)/run: requirements/docs.txt requirements/constraints.txt
 	touch $@
 
 clean:
-	rm -rf results .cache site
+	rm -rf results .cache site dist build

@@ -21,7 +21,7 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
     """
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(root / "docs", target / "docs", ignore=shutil.ignore_patterns("generator", "__pycache__"))
-    for name in ("config/README.md", "CHANGELOG.md"):
+    for name in ("config/README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(root / name, target / name)
     made, folder = target / "docs", root / "docs" / "decisions"
@@ -33,7 +33,9 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
         "reference/commands.md": commands.page(command),
         "reference/interface.md": interface.page(root / "src" / "hypernode"),
         "decisions/index.md": decisions.page(folder) + decisions.menu(folder),
-        "gallery.md": gallery.page(results, made / "figures"),
+        "gallery.md": gallery.page(
+            (made / "gallery.md").read_text(encoding="utf-8"), results, made / "results_figures"
+        ),
     }
     for name, text in pages.items():
         (made / name).parent.mkdir(parents=True, exist_ok=True)

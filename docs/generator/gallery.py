@@ -1,23 +1,21 @@
-"""The gallery: figures of a results folder, where there is one."""
+"""The gallery: the figures of the repository, and those of a results folder, where there is one."""
 
 import json
 import shutil
 from pathlib import Path
 
-_NONE = (
-    "This site was built without results. Run `make`, which makes every figure of `config/config.yaml`, and build it"
-    " again."
-)
+_NONE = "This site was built without results. `make` makes the figures of `config/config.yaml`; build it again then."
 
 
-def page(results: Path, folder: Path) -> str:
-    """The page in Markdown; figures are copied beside it.
+def page(written: str, results: Path, folder: Path) -> str:
+    """The page in Markdown; figures of the results are copied beside it.
 
     Args:
+        written: the page of the repository.
         results: a results folder, which may be absent.
-        folder: where the figures go.
+        folder: where the figures of the results go.
     """
-    lines = ["# Gallery", ""]
+    lines = [written.rstrip("\n"), "", "## Figures of the results", ""]
     figures = sorted((results / "figures").glob("*.png"))
     if not figures:
         return "\n".join([*lines, _NONE, ""])
@@ -25,7 +23,7 @@ def page(results: Path, folder: Path) -> str:
     folder.mkdir(parents=True, exist_ok=True)
     for figure in figures:
         shutil.copyfile(figure, folder / figure.name)
-        lines += [f"## {figure.stem}", "", f"![{figure.stem}]({folder.name}/{figure.name})", "", _caption(figure), ""]
+        lines += [f"### {figure.stem}", "", f"![{figure.stem}]({folder.name}/{figure.name})", "", _caption(figure), ""]
     return "\n".join(lines)
 
 

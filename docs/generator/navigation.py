@@ -2,7 +2,7 @@
 
 #: Heading -> pages, from the folder of the documentation. Pages that are made from the program are among them.
 NAVIGATION = {
-    "Begin": ("tutorial", "everything"),
+    "Begin": ("tutorial", "gallery", "experiments", "everything"),
     "How to": (
         *("how-to/add-a-case", "how-to/use-your-own-dic-data", "how-to/several-tests", "how-to/forces"),
         "how-to/printed-sheet",
@@ -14,6 +14,7 @@ NAVIGATION = {
             "how-to/predict",
             "how-to/challenge",
             "how-to/export",
+            "examples/README",
         ),
         *("how-to/photograph-a-sheet", "how-to/correlate-your-pictures", "how-to/resume-after-a-crash", "how-to/audit"),
         *("how-to/clusters", "how-to/populations", "how-to/gpu"),
@@ -29,9 +30,9 @@ NAVIGATION = {
             "paper",
             "accuracy",
             "peers",
-            "gallery",
             "decisions/index",
             "../CHANGELOG",
+            "../CONTRIBUTING",
         ),
     ),
 }

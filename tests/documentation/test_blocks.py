@@ -10,7 +10,8 @@ from tests.documentation.blocks import CHECKED, RUN, SHOWN, blocks_of
 from tests.documentation.copy import ROOT, Copy
 
 PAGES = [
-    *(Path("README.md"), Path("docs/index.md"), Path("docs/tutorial.md"), Path("docs/everything.md")),
+    Path("README.md"),
+    *(Path(f"docs/{name}.md") for name in ("index", "tutorial", "gallery", "experiments", "everything")),
     *sorted(path.relative_to(ROOT) for path in ROOT.glob("docs/how-to/*.md")),
 ]
 BLOCKS = {page: blocks_of(page, ROOT) for page in PAGES}

@@ -7,15 +7,9 @@ from tests.documentation.prose import docstrings, sentences, words
 
 #: No sentence has more words than the first; fewer than one in twenty have more than the second.
 LONGEST, LONG = 30, 25
-#: A page of numbers, sheet by sheet.
-NUMBERS = ("docs/accuracy.md",)
 PAGES = [
-    page
-    for page in (
-        *(ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "config/README.md"),
-        *sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("docs/how-to/*.md")]),
-    )
-    if str(page.relative_to(ROOT)) not in NUMBERS
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
+    *sorted(page for page in ROOT.glob("docs/**/*.md") if page.parent.name != "decisions"),
 ]
 
 
@@ -37,26 +31,18 @@ def test_few_sentences_of_all_pages_are_long():
     assert sum(length > LONG for length in lengths) < len(lengths) / 20
 
 
-#: Rooms whose docstrings have longer sentences, and how many at most.
-LEFT = {"identification": 46, "dic": 14, "evaluation": 5, "data": 5}
-
-
 @pytest.fixture(scope="module")
 def said():
-    """Room -> the sentences of its public docstrings."""
-    package, found = ROOT / "src/hypernode", {}
-    for path in package.rglob("*.py"):
-        room = path.relative_to(package).parts[0]
-        found.setdefault(room, []).extend(each for _, text in docstrings(path) for each in sentences(text))
-    return found
+    """The sentences of all public docstrings."""
+    files = sorted((ROOT / "src/hypernode").rglob("*.py"))
+    return [each for path in files for _, text in docstrings(path) for each in sentences(text)]
 
 
 def test_no_sentence_of_a_docstring_must_be_read_twice(said):
-    longer = {room: [each for each in spoken if words(each) > LONGEST] for room, spoken in said.items()}
-    assert {room: each for room, each in longer.items() if len(each) > LEFT.get(room, 0)} == {}
+    assert [each for each in said if words(each) > LONGEST] == []
 
 
 def test_few_sentences_of_docstrings_are_long(said):
-    lengths = [words(each) for room, spoken in said.items() if room not in LEFT for each in spoken]
+    lengths = [words(each) for each in said]
     assert len(lengths) > 1000
     assert sum(length > LONG for length in lengths) < len(lengths) / 20

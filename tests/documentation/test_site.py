@@ -13,7 +13,7 @@ from docs.generator.navigation import NAVIGATION
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = json.loads((ROOT / "config/schema.json").read_text())
 #: Pages of the site that are made when it is built.
-MADE = ("reference/configuration", "reference/commands", "reference/interface", "gallery")
+MADE = ("reference/configuration", "reference/commands", "reference/interface")
 PAGES = [ROOT / name for name in ("README.md", "CHANGELOG.md", "config/README.md")] + sorted(ROOT.glob("docs/**/*.md"))
 
 
@@ -90,14 +90,25 @@ def test_a_decision_without_status_or_with_one_that_another_contradicts_is_refus
         decisions.page(tmp_path)
 
 
+def test_the_gallery_shows_every_figure_of_the_repository_with_a_sentence_and_a_command():
+    sections = (ROOT / "docs/gallery.md").read_text().split("\n## ")[1:]
+    shown = [re.findall(r"!\[[^\]]+\]\((\S+)\)", section) for section in sections]
+    assert all(len(figures) == 1 for figures in shown)
+    committed = {path.name for path in [*ROOT.glob("docs/*.png"), *ROOT.glob("docs/figures/*")]}
+    assert {Path(figure).name for (figure,) in shown} == committed
+    for section in sections:
+        assert re.search(r"^[A-Z].*\.$", section, re.MULTILINE) and "```sh\n" in section
+
+
 def test_the_gallery_shows_figures_with_the_runs_they_are_of_or_says_that_there_are_none(tmp_path):
-    assert "without results" in gallery.page(tmp_path / "results", tmp_path / "figures")
+    assert "# Gallery\n\n## Fig" in gallery.page("# Gallery\n", tmp_path / "results", tmp_path / "figures")
+    assert "without results" in gallery.page("", tmp_path / "results", tmp_path / "figures")
     folder = tmp_path / "results/figures"
     folder.mkdir(parents=True)
     (folder / "leaf.png").write_bytes(b"png")
     said = {"parents": {"../leaf/hypernode/evaluation.nc": "0"}, "settings": {"kind": "identification"}}
     (folder / "leaf.png.json").write_text(json.dumps(said))
-    page = gallery.page(tmp_path / "results", tmp_path / "figures")
+    page = gallery.page("", tmp_path / "results", tmp_path / "figures")
     assert "![leaf](figures/leaf.png)" in page and "Kind `identification`, of `leaf/hypernode`." in page
     assert (tmp_path / "figures/leaf.png").read_bytes() == b"png"
 
@@ -117,16 +128,61 @@ def test_links_between_files_lead_somewhere(page):
     assert not [link for link in links if "://" not in link and not (page.parent / link).exists()]
 
 
-def test_every_place_that_the_mathematics_names_is_in_the_code():
-    table = (ROOT / "docs/equations.md").read_text().split("## Where it is in the code")[1].split("## References")[0]
-    places = [place for row in table.splitlines()[4:] for place in re.findall(r"`([a-z_]+\.[\w.]+)`", row)]
-    assert len(places) > 10
-    for place in places:
-        *module, name = place.split(".")
-        files = [
-            ROOT / "src/hypernode" / Path(*parts).with_suffix(".py") for parts in ((*module, name), module) if parts
-        ]
-        file = next((path for path in files if path.is_file()), None)
-        assert file, place
-        names = {getattr(node, "name", "") for node in ast.parse(file.read_text()).body}
-        assert file.stem == name or name in names, place
+PACKAGE = ROOT / "src/hypernode"
+ROOMS = "|".join(sorted(path.stem for path in PACKAGE.iterdir() if not path.name.startswith("_")))
+
+
+@pytest.mark.parametrize("page", ["equations", "how-identification-decides", "glossary"])
+def test_every_place_that_the_mathematics_names_is_in_the_code(page):
+    text = (ROOT / f"docs/{page}.md").read_text()
+    places = re.findall(rf"`((?:{ROOMS})(?:\.\w+)+)`", text)
+    assert len(places) >= 5
+    assert [place for place in places if not (is_file(place) or is_defined(place))] == []
+
+
+def is_file(place):
+    """Whether a name such as ``measurement.nc`` is that of a result."""
+    return place.endswith(".nc")
+
+
+def is_defined(place):
+    """Whether a dotted name is a package, a module, or what a module or a class defines."""
+    folder, *names = place.split(".")
+    path = PACKAGE / folder
+    while names and path.is_dir():
+        path /= names.pop(0)
+    if path.is_dir():
+        return True
+    if not (path := path.with_suffix(".py")).is_file():
+        return False
+    body = ast.parse(path.read_text()).body
+    for name in names:
+        found = [node for node in body if name in (getattr(node, "name", ""), *assigned(node))]
+        if not found:
+            return False
+        body = getattr(found[0], "body", [])
+    return True
+
+
+def assigned(node):
+    return [target.id for target in getattr(node, "targets", ()) if isinstance(target, ast.Name)]
+
+
+def test_a_place_that_is_gone_is_told_from_one_that_is_there():
+    assert is_defined("identification.strategy") and is_defined("identification.strategy.identify")
+    assert is_defined("verdict.Ending.CONVERGED") and not is_defined("verdict.Ending.GONE")
+    assert not is_defined("identification.gone") and not is_defined("identification.strategy.perturbed")
+
+
+def test_what_the_page_on_decisions_names_of_a_file_is_in_its_schema():
+    page, schema = ((ROOT / f"docs/{name}.md").read_text() for name in ("how-identification-decides", "schema"))
+    named = re.findall(r"`([a-z]+_[a-z_]+)`", page)
+    assert len(named) >= 2 and [name for name in named if f"`{name}`" not in schema] == []
+
+
+def test_the_page_on_decisions_leads_to_the_modules_that_decide():
+    page = (ROOT / "docs/how-identification-decides.md").read_text()
+    modules = {path.stem for path in (PACKAGE / "identification").glob("*.py")}
+    named = set(re.findall(r"`identification\.(\w+)`", page))
+    assert {"interface_search", "law_search", "candidate", "interface_answer", "strategy", "choice", "score"} <= named
+    assert named <= modules

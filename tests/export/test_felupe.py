@@ -12,7 +12,7 @@ from hypernode.mechanics.loads import make_load
 from tests.export.materials import MESH, basis_file, closed_form_file, exported, node_file
 
 pytest.importorskip("felupe", reason="needs felupe: make felupe")
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs/examples"
 #: Same mesh, same elements, same material: what is left is where Newton's methods end.
 AGREE = 1e-6
 KINDS = {

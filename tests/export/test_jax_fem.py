@@ -7,7 +7,7 @@ import numpy as np
 
 from tests.export.runs import MU, write_run
 
-EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "jax_fem_sheet.py"
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs/examples" / "jax_fem_sheet.py"
 
 
 def test_the_example_prints_the_forces_of_a_sheet_between_those_of_its_phases(tmp_path, capsys):

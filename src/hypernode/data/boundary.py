@@ -1,8 +1,8 @@
 """What noisy measurements say of the displacement of prescribed edges, and how wrong that may be.
 
-The displacement of an edge is smooth, so that its measured values are smoothed; but the sheet follows what is left of
-their noise as a whole. A rigid edge of 50 nodes is known to a fifth of the noise of one of them, and an error of that
-size, shared by the sheet, weighs as much as thousands of independent ones.
+The displacement of an edge is smooth, so that its measured values are smoothed. The whole sheet follows the noise that
+is left. A rigid edge of 50 nodes is known to a fifth of the noise of one node. An error of that size is shared by the
+sheet, and weighs as much as thousands of independent errors.
 """
 
 import functools
@@ -67,8 +67,8 @@ def _modes(x: tuple[float, ...]):
 def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"], noise: float):
     """The smoothing spline of noisy values along an edge, with the weight of roughness under which they are likeliest.
 
-    It is the mean of what the values leave possible, if smooth curves are the likelier the less they are bent
-    (Wahba, Spline Models for Observational Data, 1990), and ``errors`` are the root of the covariance.
+    It is the posterior mean, if curves are the likelier the less they are bent (Wahba, Spline Models for Observational
+    Data, 1990). ``errors`` are the root of the posterior covariance.
 
     Args:
         x: increasing positions.

@@ -58,9 +58,9 @@ class Loading:
         """Read the loading of a measurement file.
 
         The mean of P_iJ is the sum of traction i times X_J over the outline. It follows from resultants where the only
-        edges that hold component i are normal to J and one of the two carries a known force; the two are balanced, so
-        that their mean is used where both are known. Without any edge that holds it, the mean of P_ii is zero where
-        all are known to be free.
+        edges that hold component i are normal to J, and one of the two carries a known force. Both forces balance, so
+        their mean is used where both are known. Where no edge holds component i and all are known to be free, the mean
+        of P_ii is zero.
         """
         lower, upper = measurement["corners"].values
         force = stress_resultants(measurement)

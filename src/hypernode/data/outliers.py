@@ -31,11 +31,11 @@ def outliers(
 ) -> Bool[np.ndarray, "step node"]:
     """Which points stand alone: off what their neighbours say by more than noise and the sheet's own kinks explain.
 
-    What neighbours say is the median of the interpolations between opposite ones. It is compared with the noise, and
-    with how far the neighbours are off from theirs, of which the second largest counts: along an interface two of them
-    deviate as the point itself does, and next to an outlier one does; at the outline the largest, since one of the two
-    is missing there (after the test of Westerweel and Scarano,
-    Universal outlier detection for PIV data, 2005, which takes medians of both).
+    What neighbours say is the median of the interpolations between opposite ones. The deviation from it is compared
+    with the noise, and with the second largest deviation among the neighbours. Along an interface two of them deviate
+    as the point itself does; next to an outlier one does. At the outline the largest counts, since one of the two is
+    missing there. The test follows Westerweel and Scarano (Universal outlier detection for PIV data, 2005), who take
+    medians of both.
 
     Args:
         mesh: the grid, without points where there is no material.

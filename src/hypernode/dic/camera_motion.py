@@ -1,6 +1,6 @@
 """How the camera, or the machine under it, moved between two pictures, told by edges that are held.
 
-A camera that turns and shifts sees X + u = Q (X + u0) + t: u0 is the displacement of the sheet, Q a rotation about the
+A camera that turns and shifts sees X + u = Q (X + u0) + t. u0 is the displacement of the sheet, Q a rotation about the
 origin of the grid, t a translation. Rotations of the sheet itself are no sign of Q; a held edge is, as it keeps its
 direction while the machine pulls.
 """
@@ -56,9 +56,9 @@ def camera_motion(
     averaged with the inverses of their variances. It is as uncertain as their fits say, neighbouring points not being
     independent, or by half the largest difference between edges where that is more.
 
-    No measurement tells the translation from one of the sheet. It is chosen such that, turned back, a component is zero
-    in the mean over the left or bottom edge that holds it, the edge it is normal to before the other; over all points
-    where none does, or none of the edge's is measured.
+    No measurement tells the translation from one of the sheet. It is chosen such that, turned back, the mean of a
+    component over one edge is zero. The edge is the left or bottom one that holds the component, and of two the one
+    that it is normal to. Where no edge holds it, or no point of the edge is measured, the mean is over all points.
 
     Args:
         x, y: lines of the grid; the rotation is about their zero.

@@ -20,8 +20,8 @@ _SPARSE = 0.75
 def times_of(names: Sequence[str]) -> list[float] | None:
     """Seconds since midnight of the first day that each name says; None where names are no clock times.
 
-    A run of six digits, or of two and four, is one only where a date stands before it, or where as a counter it would
-    leave gaps at the ends of minutes.
+    A run of six digits, or of two and four, is a clock time in two cases. A date stands before it, or as a counter it
+    would leave gaps at the ends of minutes.
     """
     for pattern in (_GLUED, _CLOCK):
         found = [_last(pattern, name) for name in names]

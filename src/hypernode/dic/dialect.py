@@ -37,8 +37,8 @@ class Dialect:
         incremental: text of the preamble that says that displacements are increments.
         time, force: names of their columns.
         preamble_unit, preamble_force: expressions whose group is the unit of length, and the force, in the preamble.
-        content: how the file is made: ``frame`` (a table a frame), ``subset`` (a table a point), ``matrices`` (a file a
-            field), ``ncorr`` and ``arrays`` (one file for all), ``davis8`` (a first line instead of a header).
+        content: how the file is made. ``frame`` is a table a frame, ``subset`` a table a point, ``matrices`` a file a
+            field. ``ncorr`` and ``arrays`` are one file for all. ``davis8`` has a first line instead of a header.
     """
 
     name: str

@@ -71,7 +71,7 @@ def mean_stretch(series: Series, load: str) -> Float[np.ndarray, " frame"]:
 def working_stretch(series: Series, load: str, i: int, J: int) -> Float[np.ndarray, " frame"]:
     """One number a frame with which a resultant of a load grows: the mean stretch along it, or 1 + shear.
 
-    Where the sheet is pulled across as well, half of that elongation adds to it: in plane stress and at constant volume
+    Where the sheet is pulled across as well, half of that elongation adds to it. In plane stress and at constant volume
     the stress is 4 mu times their sum, to first order.
     """
     along = 1.0 + mean_gradient(series, i, J)

@@ -47,8 +47,8 @@ class Tilt:
 def tilt_of(points: Points) -> Tilt | None:
     """The tilt of the grid on which the reference's points lie, ``None`` where they lie on no grid that is tilted.
 
-    Sides between neighbours tell the angle modulo 90 degrees, by the mean direction of four times their angles on the
-    circle (Mardia and Jupp, Directional Statistics, 2000); least squares of the lines through all points refine it.
+    Sides between neighbours tell the angle modulo 90 degrees, by the mean direction of four times their angles (Mardia
+    and Jupp, Directional Statistics, 2000). Least squares of the lines through all points refine it.
     Where the points fill a rectangle along the axes of the files better than one along the grid's, the sheet stands
     along the former, and the grid is not turned.
     """

@@ -63,8 +63,8 @@ def explained(
 ) -> float:
     """Standard deviation of some cells that a split of them in two explains, in the unit of the values.
 
-    sqrt(w1 w2 / (w1 + w2)) |m1 - m2|, with the area shares w and the medians m of the two parts: the square root of the
-    variance between classes of Otsu (1979), where single cells do not count.
+    It is sqrt(w1 w2 / (w1 + w2)) |m1 - m2|, with the area shares w and the medians m of the two parts. This is the root
+    of the variance between classes of Otsu (1979), with medians, so that single cells do not count.
 
     Args:
         values: of the cells that are split.
@@ -118,10 +118,10 @@ def find_phases(
 ) -> Phases:
     """Split the sheet in two as long as a split explains more than it explains of what the test cannot tell.
 
-    The part whose split is the most distinct is split next, at most until there are :data:`MOST`; a split within a part
-    counts with its area in the whole sheet, and against samples that are split within the same part. A seam between
-    two phases, where cells are cut or a field is smooth, is no phase unless it is wider than one cell. Stiffness that
-    changes gradually has no phases, and may be found as several.
+    The part whose split is the most distinct is split next, at most until there are :data:`MOST`. A split within a part
+    counts with its area in the whole sheet. It is compared with samples that are split within the same part. A seam
+    between two phases, where cells are cut or a field is smooth, is no phase unless it is wider than one cell.
+    Stiffness that changes gradually has no phases, and may be found as several.
 
     Args:
         field: indicator of the stiffness.

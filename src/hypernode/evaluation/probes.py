@@ -47,8 +47,8 @@ def uniaxial_states(material: Material, X, stretches, axis: int):
     """The states of :func:`uniaxial_stress`.
 
     Returns:
-        (F[stretch, point, i, J], P of the same shape, change of the stress along over that across as the transverse
-        stretch changes (stretch, point), whether each was found (stretch, point)).
+        F[stretch, point, i, J], and P of the same shape. Then two of (stretch, point): how much the stress along
+        changes over that across as the transverse stretch changes, and whether the state was found.
     """
     across = 1 - axis
     along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))

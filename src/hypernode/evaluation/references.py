@@ -39,8 +39,8 @@ def is_found(evaluation, phase: str) -> bool:
 def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
     """Centres of cells from the middle half of a phase by the indicator of its stiffness.
 
-    The identified stiffness varies over a phase by a tenth or more, and cells whose indicators are alike differ by some
-    per cent under other deformations: no single cell stands for a phase. Some cell must belong to it.
+    The identified stiffness varies over a phase by a tenth or more. Cells whose indicators are alike differ by some per
+    cent under other deformations. So no single cell stands for a phase. Some cell must belong to it.
     """
     cells = np.flatnonzero(evaluation["shape"].values == PHASES.index(phase))
     order = cells[np.argsort(evaluation["trace_P"].values[cells], kind="stable")]
@@ -90,8 +90,8 @@ def reference_forces(phase: str, sheet, identified, evaluation, node, params_at,
     """Resultants (step, edge, i) of a reference sheet with what was identified.
 
     The material of a phase is the mean of the identified ones at its typical places; that of :data:`WHOLE` is the
-    identified field. What of the force is a matter of time, the record of a phase's own sheet says; of other frames of
-    the identified test, that test's frames do, and nothing that saw the others.
+    identified field. How much of the force is a matter of time, the record of a phase's own sheet says. For other
+    frames of the identified test, that test's used frames say it; the compared frames have no part in it.
 
     Args:
         sheet: measurement file of the reference sheet.

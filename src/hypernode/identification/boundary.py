@@ -24,10 +24,10 @@ class Boundary:
         prescribed, free: their degrees of freedom, and all others.
         observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
             without points between, those of the mesh that carries their information.
-        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, and ``seen``
-            what it saw of them, both over the error of that point and component relative to that of all. Of pictures
-            as independent numbers, as many as are observed.
-        relative: that error, of every observed degree of freedom; none of pictures without points.
+        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, over
+            ``relative``. Of pictures as independent numbers, as many as are observed.
+        seen: what the camera saw of them, over ``relative`` as well.
+        relative: error of every observed degree of freedom over that of all; none of pictures without points.
     """
 
     mask: np.ndarray

@@ -33,8 +33,9 @@ def line_average(x: np.ndarray, width: float) -> scipy.sparse.csr_matrix:
 def line_quadratic(x: np.ndarray, width: float) -> scipy.sparse.csr_matrix:
     """Middle of the quadratic that fits the piecewise linear interpolant best over ``width`` around every node.
 
-    The filter of Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, of second order: the mean of the interpolant
-    times (9 - 15 t^2) / 4, with t from -1 to 1 over the window. Continued and returned as :func:`line_average` does.
+    This is the filter of Savitzky and Golay (Analytical Chemistry 36, 1964) of second order. It is the mean of the
+    interpolant times (9 - 15 t^2) / 4, with t from -1 to 1 over the window. Continued and returned as
+    :func:`line_average` does.
     """
     half = min(0.5 * width, 0.5 * (x[-1] - x[0]))
     points, continued = _continued(x)

@@ -1,9 +1,9 @@
 """Where a descent on a grid of many cells begins without noise if the sheet is of a few materials.
 
-A coarser grid tells the materials, and which of them most cells have. Open are the cells near its interfaces, and of
-these data without noise tell every single one. So each gets a share of the phases near it: one number a cell near an
-interface, where a free field has all parameters in every cell, and hardly any valleys between them, since the materials
-are eliminated from every system. Two or three Gauss-Newton steps tell the labels; then the materials follow alone.
+A coarser grid tells the materials, and which of them most cells have. Open are the cells near its interfaces. Data
+without noise tell every one of these. So each gets a share of the phases near it: one number a cell near an interface,
+where a free field has all parameters in every cell. The materials are eliminated from every system, which leaves hardly
+any valleys. Two or three Gauss-Newton steps tell the labels; then the materials follow alone.
 
 The descent from there is short. It is of a free field, as without a coarser grid: nothing else depends on phases.
 """

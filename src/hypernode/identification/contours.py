@@ -1,8 +1,8 @@
 """Which phase every cell along a contour belongs to: the best labels of a quadratic model of the misfit.
 
-A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. Where
-many cells change together these changes add, and the materials of the phases follow, so that the misfit is a quadratic
-form of binary numbers; single cells and pairs of neighbours change as long as that lowers the cost.
+A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. Changes
+of many cells add, and the materials of the phases follow. So the misfit is a quadratic form of binary numbers. Single
+cells and pairs of neighbours change as long as that lowers the cost.
 """
 
 from dataclasses import dataclass

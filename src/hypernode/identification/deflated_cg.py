@@ -1,8 +1,8 @@
 """Conjugate gradients for a sequence of systems, each of which makes the next one easier.
 
-From one Gauss-Newton step to the next the systems change little, and what makes them slow stays: a few directions, long
-waves of the stiffness and valleys between the terms, whose curvature the preconditioner misses by orders of magnitude.
-Every solve meets them among its search directions. The worst are kept, and the next solve treats them exactly
+From one Gauss-Newton step to the next the systems change little. A few directions make every solve slow: long waves of
+the stiffness, and valleys between the terms. The preconditioner misses their curvature by orders of magnitude. Every
+solve meets them among its search directions. The worst are kept, and the next solve treats them exactly
 (deflation: Nicolaides 1987; Saad, Yeung, Erhel and Guyomarc'h 2000).
 """
 

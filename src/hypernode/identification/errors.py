@@ -4,7 +4,7 @@ Residuals are displacements over their uncertainty, then forces, of one step aft
 
 C = I + A A^T + E E^T,
 
-with A the answer of a step to independent errors of its prescribed edges, one block a step, and E the errors of the
+A is the answer of a step to independent errors of its prescribed edges, one block a step. E are the errors of the
 forces by gain and zero of the load cells. Woodbury's identity makes of the inverse small systems, one an edge error.
 """
 

@@ -88,8 +88,8 @@ class Estimate:
     def understated(self) -> float:
         """By what factor uncertainties are too small, as forces tell that are missed by more than chance.
 
-        Which of them is too small is not known: a law that is not the sheet's misses forces and stresses alike (Birge,
-        The calculation of errors by the method of least squares, 1932).
+        Which of them is too small is not known: a law that is not the sheet's misses forces and stresses alike. The
+        factor is that of Birge (The calculation of errors by the method of least squares, 1932).
         """
         forces, number = self.misfits["force"], max(len(self.problem.forces), 1)
         # The mean square of so many is known to the root of two over their number.

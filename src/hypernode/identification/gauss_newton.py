@@ -24,8 +24,8 @@ class IdentificationError(ExpectedError, RuntimeError):
 def first_field(problem: FieldProblem, before: Estimate | None):
     """(parameters by cell, where the ridge pulls them, guesses of the states) of a descent, which may follow another.
 
-    Fibres that no force tells of have no gradient at zero, so they begin a little above; but none is what the
-    ridge prefers, so that they vanish where the data say nothing of them.
+    Fibres that no force tells of have no gradient at zero, so they begin a little above. The ridge prefers none, so
+    they vanish where the data say nothing of them.
     """
     names, cells = problem.basis.names, len(problem.mesh.cells)
     smallest = problem.strategy.smallest_fibre

@@ -27,7 +27,7 @@ class Homogeneous:
 
     Attributes:
         params: parameters of the basis (parameter,), fitted to all load cases, the plainest that do.
-        force_misfit: smallest relative misfit of each load case's mean stresses (load case,) by a fit to it alone: what
+        force_misfit: smallest relative misfit of each load case's mean stresses (load case,) by a fit to it alone. What
             no material of the basis can follow is an error of the description.
     """
 

@@ -30,8 +30,8 @@ NOISE_KNOWN = 1.1
 def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEstimate | None:
     """The estimate of a candidate for all load steps; None where one of them has no equilibrium.
 
-    What is left differs from step to step, and is noise; or it is the same in all, and is what the description misses,
-    up to what finite elements are trusted with.
+    What is left and differs from step to step is noise. What is left and is the same in all steps is what the
+    description misses, up to what finite elements are trusted with.
 
     Args:
         kept: the candidate that the search ended with.

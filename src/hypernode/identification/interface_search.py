@@ -53,9 +53,13 @@ NOT_MADE_OF_FEW = 3.0
 def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> InterfaceEstimate | None:
     """The few materials and lines that explain a test; None where they do not, or where they are not sought.
 
-    They are not sought where the configuration asks for no layers, where displacements are known to be those of finite
-    elements on the measured grid, so that no line cuts a cell, where they have no noise or are grey levels, and on
-    grids of more cells than are searched at once.
+    They are not sought in five cases:
+
+    - The configuration asks for no layers.
+    - Displacements are known to be those of finite elements on the measured grid, so that no line cuts a cell.
+    - Displacements have no noise.
+    - Grey levels are observed.
+    - The grid has more cells than are searched at once.
 
     Args:
         measurement: an opened measurement.

@@ -3,9 +3,9 @@
 A law that is not the sheet's may follow every step of a test, each with an error of its own sign. Extrapolated from
 the smaller steps to the largest one, it does not.
 
-The field is not identified again. Near the field that all data gave, the one that some of them give follows from one
-Newton step (the infinitesimal jackknife; Giordano et al., A Swiss army infinitesimal jackknife, 2019): with whitened
-residuals w and their Jacobian J, rows k left out, and H the curvature of the objective without them,
+The field is not identified again. The field that some of the data give is near the one that all gave, and follows
+from one Newton step (Giordano et al., A Swiss army infinitesimal jackknife, 2019). With whitened residuals w and their
+Jacobian J, rows k left out, and H the curvature of the objective without them,
 
     w_k + J_k H^-1 J_k^T w_k   has the covariance   I + J_k H^-1 J_k^T
 

@@ -1,7 +1,7 @@
 """Where in a sheet displacements are explained, and where no law of the field explains them.
 
-A mean over the sheet hides a place. Around each cell the squares of residuals are as many as there are data, so that
-chance makes little of their mean, and what it makes at worst over all of the sheet follows from their distribution.
+A mean over the sheet hides a place. So squares of residuals are averaged around each cell. How large chance makes the
+largest of these means over all of the sheet follows from their distribution.
 """
 
 from dataclasses import dataclass

@@ -131,8 +131,8 @@ class Objective:
     ) -> Float[np.ndarray, "posterior_sample cell parameter"]:
         """Fields that the test tells as little from the best one, where it is linearised, as its noise allows.
 
-        Samples of the Gaussian with the curvature of the objective there (Laplace's approximation): each answers to
-        data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
+        They are samples of the Gaussian with the curvature of the objective there (Laplace's approximation). Each
+        answers to data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
         """
         strategy = self.strategy
         R, _, B = self._jump_roots(params)
@@ -180,8 +180,8 @@ def block_diagonal(blocks: Float[np.ndarray, "cell row column"]) -> scipy.sparse
 class NormalEquations:
     """(J^T J + B^T R^T R B + ridge) x = b, solved for the coordinates y = B x of jumps.
 
-    There the jumps of one coordinate do not know of another's, and the metric of the solver, which has them all, falls
-    into one small matrix a coordinate; by the parameters it would be one large matrix.
+    In these coordinates jumps of one do not depend on those of another. So the solver's metric, which has all jumps,
+    falls into one small matrix a coordinate. By the parameters it would be one large matrix.
 
     Args:
         curvature: x -> J^T J x.

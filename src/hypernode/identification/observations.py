@@ -42,8 +42,8 @@ class Observations:
         loading: what is known about the forces.
         u: mean of the repeats (step, node, 2), filled in where points were lost; what is filled in is not observed.
         sigma: standard deviation of u, of noise and finite elements together, root mean square of all.
-        scatter: what is expected of the root mean square of u's errors over sigma: 1 where errors are independent, less
-            where points or steps share them, so that each is weighed as a larger one.
+        scatter: expected root mean square of u's errors over sigma. It is 1 where errors are independent, and less
+            where points or steps share them, since each is then weighed as a larger one.
         noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
         contested: whether it rules though it is the smaller of the two.
         noise_uncertainty: relative uncertainty of that noise.
@@ -106,8 +106,8 @@ def observe(
 ) -> Observations:
     """The observations of an opened measurement.
 
-    Where the grid is cut out of a larger sheet, its outline is no edge of the sheet: the measured
-    displacement prescribes it all round, and no traction there is assumed to vanish.
+    Where the grid is cut out of a larger sheet, its outline is no edge of the sheet. The measured displacement then
+    prescribes it all round, and no traction there is assumed to vanish.
 
     Args:
         subcells: rows and columns into which every measured cell is divided.

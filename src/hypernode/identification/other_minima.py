@@ -57,8 +57,8 @@ def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Es
     """Where descents end that begin at the median of each cell's neighbours, as long as they find something better.
 
     Cells of which the test says little stay where an early iteration left them, and under other deformations they are
-    what is most wrong. Not where it says so much of each that the medians do not explain it, as it does without noise,
-    nor through a correlation window, where cells in between are something else.
+    what is most wrong. Only noisy data without a correlation window are tried. Without noise, the test says so much of
+    each cell that medians do not explain it. Through a window, cells in between are something else.
     """
     while found.problem.sharp:
         better = _nearly(
@@ -73,10 +73,10 @@ def without_stray_cells(found: Estimate, settings: Constrained, name: str) -> Es
 def without_outlying_cells(found: Estimate, settings: Constrained, name: str) -> Estimate:
     """Where a descent ends that begins with the material of a neighbour in every cell that is like none of them.
 
-    Terms that a cell has hardly been deformed enough to show may be anything there, and beyond what it has seen its
-    stress is then that of no neighbour, by any factor. What costs so little that a descent left it, and is like a
-    neighbour where it was seen, is more likely that neighbour's material. Only where nothing is left to chance: noise
-    and interfaces that cut cells make mixtures, which are like no neighbour.
+    Where a cell has hardly been deformed enough to show a term, that term may be anything. Beyond what the cell has
+    seen, its stress may then differ from every neighbour's by any factor. What costs so little that a descent left it,
+    and is like a neighbour where it was seen, is more likely that neighbour's material. Only data without noise or cut
+    cells are treated so: both make mixtures, which are like no neighbour.
     """
     while found.problem.certain and (params := resembling(found)) is not None:
         better = _nearly(found, params, settings, name, "outlying cells like a neighbour")
@@ -89,9 +89,9 @@ def without_outlying_cells(found: Estimate, settings: Constrained, name: str) ->
 def resembling(found: Estimate) -> np.ndarray | None:
     """The field with the material of a neighbour in every outlying cell; None where there is no such cell.
 
-    A cell is outlying where its stress under the mean deformation of the sheet differs, in some load step, from that
-    of each neighbour by more than the jump that is one. It takes the material of the neighbour whose stress is nearest
-    to its own at the deformations that it has seen.
+    Stresses are compared under the mean deformation of the sheet. A cell is outlying where, in some load step, its
+    stress differs from that of each neighbour by more than the jump that is one. It takes the material of the neighbour
+    whose stress is nearest to its own at the deformations that it has seen.
     """
     problem, steps = found.problem, len(found.states)
     mesh, basis = problem.mesh, problem.basis

@@ -17,8 +17,8 @@ FEWEST_CELLS = 3
 def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, " level"]:
     """The levels from which values are least far in the mean: medians in one dimension, found exactly.
 
-    By dynamic programming over sorted values (Wang and Song, Ckmeans.1d.dp, The R Journal 3, 2011), with distances in
-    place of their squares, which a blurred interface between far levels would rule.
+    They are found by dynamic programming over sorted values (Wang and Song, Ckmeans.1d.dp, The R Journal 3, 2011).
+    Distances stand in the place of their squares, which a blurred interface between far levels would rule.
     """
     v = np.sort(values)
     v = v[np.linspace(0, len(v) - 1, min(len(v), QUANTILES)).round().astype(int)]

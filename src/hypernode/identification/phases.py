@@ -1,9 +1,9 @@
 """A sheet of a few phases, each of one material: a contour and a handful of numbers that explain a noisy test as well.
 
-Free cells at an interface end half-way between its sides wherever the test hardly tells them apart, and no gradient
-leads away from there, since what a jump costs is concave. If each side is one material there is nothing half-way: a
-cell belongs to one or to the other, and where it belongs changes the residuals by many times their noise. Whether the
-sheet is made so is no assumption: the field of phases is kept where it is the likelier one.
+Free cells at an interface end half-way between its sides wherever the test hardly tells them apart. No gradient leads
+away from there, since the cost of a jump is concave. If each side is one material, a cell belongs to one or to the
+other. Where it belongs changes the residuals by many times their noise. Phases are not assumed: their field is kept
+where it is the likelier one.
 """
 
 import dataclasses

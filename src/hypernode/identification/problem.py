@@ -1,7 +1,7 @@
 """What equilibrium makes of a material field: displacements and forces, and their derivatives.
 
-The forward half of the identification: the observations of a test, the finite-element equilibrium of every load step
-for a field of parameters of a law, and the exact linearisation of the one with respect to the other.
+This is the forward half of the identification. It has the observations of a test, and the finite-element equilibrium of
+every load step for a field of parameters of a law. It linearises the first by the second exactly.
 """
 
 import copy

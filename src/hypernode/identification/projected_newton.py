@@ -18,8 +18,8 @@ def projected_steps(
 ) -> Iterator[tuple[np.ndarray, float]]:
     """Where steps from ``x`` lead, from the whole one to shorter and more damped ones, and what each should gain.
 
-    A number at its least value that would fall stays there, and the others go without it: coefficients that are none
-    have no slope below zero, and the step that a linear model asks of them is as long as it is wrong.
+    A number at its least value that would fall stays there, and the others go without it. A coefficient at zero has no
+    slope below zero, and the step that a linear model asks of it is as long as it is wrong.
 
     Args:
         lowest: least value of every number, minus infinity for most.
@@ -47,8 +47,8 @@ def bounded_step(
 ) -> tuple[np.ndarray, float, np.ndarray]:
     """(where one damped step leads, what it should gain, which numbers do not stop where they may go no further).
 
-    A number that the step would take too far stops there, and the others are solved for again: along a curved valley
-    a step that is shortened as a whole hardly moves.
+    A number that the step would take too far stops at its bound, and the others are solved for again. Along a curved
+    valley, a step that is shortened as a whole hardly moves.
 
     Args:
         lowest: as of :func:`projected_steps`.

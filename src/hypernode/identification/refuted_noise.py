@@ -13,10 +13,10 @@ from hypernode.identification.estimate import Estimate
 def refuted_noise(found: Estimate, measurement: xr.Dataset) -> BelievedNoise | None:
     """The noise to identify a field with anew, or None where the believed one may be right.
 
-    Noise is too large where a field leaves far less of it, and too small where frames say so and the field leaves as
-    much as they do. Frames are then right about both its size and how far errors are shared, unless the field leaves
-    less than they tell, who may take rough deformation for noise: then noise is what the field leaves. That it leaves
-    more than was believed says nothing by itself, as its law may not follow the sheet.
+    Noise is too large where a field leaves far less of it. It is too small where frames say so and the field leaves as
+    much as they do. Frames are then right about its size, and about how far errors are shared. They may take rough
+    deformation for noise, though: where the field leaves less than they tell, noise is what the field leaves. A field
+    that leaves more than was believed says nothing by itself, as its law may not follow the sheet.
 
     Args:
         found: the field, identified with the noise of the measurement.

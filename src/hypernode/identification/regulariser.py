@@ -103,7 +103,7 @@ class Regulariser:
     def roots(self, params: Float[np.ndarray, "cell parameter"], cost: JumpCost):
         """(R, r, B): with y = B x, y^T R^T R y is a quadratic form that touches the penalty from above.
 
-        The form to first order in the change of the coordinates y, in which one does not know of the other; the
+        The form is of first order in the change of the coordinates y, which are independent of each other in it. The
         penalty's gradient by the parameters is B^T R^T r. All act on flattened fields.
         """
         values, derivative = self._coordinates(params)

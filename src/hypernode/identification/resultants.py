@@ -52,9 +52,9 @@ def shared_errors(forces: list[EdgeForce]) -> Float[np.ndarray, "force error"]:
 def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
     """Measured resultants, one a step and component.
 
-    A load cell tells one force, so that both edges are one datum. Their balance gives the other edge. Not where the
-    grid is cut out of a larger sheet: its sides carry forces that are not known, and the mean of both edges counts,
-    with what is beside the points as their rim has it (:mod:`hypernode.data.seen_share`).
+    A load cell tells one force, so that both edges are one datum. Their balance gives the other edge. A grid that is
+    cut out of a larger sheet is treated otherwise, since its sides carry forces that are not known. There the mean of
+    both edges counts, with what is beside the points as their rim has it (:mod:`hypernode.data.seen_share`).
 
     Args:
         mesh: on whose nodes they act.

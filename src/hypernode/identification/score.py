@@ -14,8 +14,8 @@ def score_of(
     The covariance of the residuals joins, by their uncertainty and by the errors that they share, so that the score
     does not depend on the scale of residuals. A parameter of the terms, of which the sheet has one, costs half the
     logarithm of the number of data (Schwarz, Estimating the dimension of a model, 1978). Every number that the data
-    determine costs one: by half of that a field fits their noise, and by half it misses other data with it
-    (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002).
+    determine costs one (Akaike 1974; Spiegelhalter et al., Bayesian measures of model complexity and fit, 2002). Half
+    of that is noise that the field fits. The other half is what the field misses other data by for that reason.
 
     Args:
         problem: the test.

@@ -27,8 +27,9 @@ ERRORS_AT_ONCE = 256
 def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
     """Weights of two load steps of a test, zero for the others, whose weighted sum stands for that of all steps.
 
-    Exact for what grows with the square and the cube of the load. Of the pairs with positive weights the one that comes
-    closest for its fourth power and for what does not grow at all; where there is none, every step counts once.
+    The sum is exact for what grows with the square and the cube of the load. Of the pairs with positive weights, that
+    one is taken which comes closest for the fourth power and for what does not grow. Without such a pair every step
+    counts once.
 
     Args:
         sizes: load of every step.
@@ -136,9 +137,9 @@ class StepJacobian:
 class Jacobian:
     """The Jacobian J (residual, parameter) of all load steps.
 
-    Residuals are the observed displacements step by step, then the forces. Errors that forces of several steps share,
-    the load cell's, are treated as those of prescribed edges are in each step: once the latter are taken out, the
-    covariance is I + A A^T with A the derivative by the shared errors.
+    Residuals are the observed displacements step by step, then the forces. Forces of several steps share the errors of
+    the load cell. These are treated as those of prescribed edges are in each step. Once the latter are taken out, the
+    covariance is I + A A^T, with A the derivative by the shared errors.
 
     Args:
         force_steps: the load step of every force.

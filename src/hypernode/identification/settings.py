@@ -1,7 +1,7 @@
 """Every constant of the strategy by which a field is identified, each with its reason.
 
-What a user may want to change for a test stands in the configuration (:class:`hypernode.config.methods.Constrained`);
-what is here follows from the mathematics, from finite-element errors, or from what was seen to work on many sheets.
+What a user may want to change for a test stands in the configuration (:class:`hypernode.config.methods.Constrained`).
+What is here follows from the mathematics, from finite-element errors, or from what was seen to work on many sheets.
 """
 
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
 """A factor of the stiffness in every cell, on top of a field of materials: what that field leaves unexplained.
 
-The logarithm of the factor is found by Gauss-Newton steps on all cells at once, with a cost of jumps that does not blur
-them: total variation first, then its logarithm. What is left of the displacements weighs as their noise, so that far
+The logarithm of the factor is found by Gauss-Newton steps on all cells at once. The cost of jumps does not blur them:
+it is total variation first, then its logarithm. What is left of the displacements weighs as their noise, so that far
 from the answer little is asked of a step. Cells far from jumps move together, so that the systems stay small.
 """
 

@@ -1,15 +1,14 @@
 """Equilibrium as a constraint: the material field whose finite-element solution is what was measured.
 
-Displacements are data here, not input. The unknown is a field of convex-basis coefficients, one set a
-cell; for every guess JAX-FEM solves the equilibrium of each load step, and the misfit of displacements
-and edge forces, in units of their noise, is reduced together with the jumps of the field by
-Gauss-Newton steps. Nothing measured is ever differentiated, so noise hardly matters.
+The unknown is a field of convex-basis coefficients, one set a cell. For every guess finite elements solve the
+equilibrium of each load step. Gauss-Newton steps reduce the misfit of displacements and edge forces, in units of their
+noise, together with the jumps of the field. Nothing measured is ever differentiated, so noise hardly matters.
 
-The stiffness alone comes first: one number a cell finds where the material changes, along a path without the
-valleys that all coefficients together make. From there the other terms are released. Where noise makes
-many minima, a field of a few phases is kept if it is the likelier one, and otherwise what was found is perturbed out of
-its own minimum to see whether there is a better one. Where interfaces lie anywhere, cells are then divided, or, under
-noise and if the sheet is of two materials, are layers of both where the interface cuts them.
+The stiffness alone comes first: one number a cell finds where the material changes, along a path without the valleys
+that all coefficients together make. From there the other terms are released. Where noise makes many minima, a field of
+a few phases is kept if it is the likelier one. Otherwise the field is perturbed out of its own minimum, to see whether
+there is a better one. Where interfaces lie anywhere, cells are then divided. Under noise, and if the sheet is of two
+materials, cells that the interface cuts are layers of both instead.
 """
 
 import functools

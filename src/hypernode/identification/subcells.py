@@ -25,8 +25,8 @@ def subdivided(found: Estimate, measurement, settings: Constrained, name: str) -
 
     A cell that an interface cuts is no material: neither does it deform as a mixture would, nor is it one. Subcells
     of it are both more nearly, and what is left of the misfit tells how much of the cell is which. It also tells how
-    far finite elements describe the sheet, which depends on its contrast: where that is better than assumed, what was
-    measured is trusted as far as it shows.
+    far finite elements describe the sheet, which depends on its contrast. Where that is better than assumed, what was
+    measured is trusted more.
     """
     strategy = found.problem.strategy
     count = strategy.subcells**2 * len(found.params)

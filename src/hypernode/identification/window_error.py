@@ -1,8 +1,8 @@
 """How far what an engine of image correlation sees is from the mean over its window that stands for it.
 
 The texture of a subset decides what is seen where its deformation is not uniform. Against the mean over subsets, pyvale
-and al-dic are off by a quarter of what that mean changes, at every stretch and in both components, by as much in
-every load step, and alike at neighbours whose subsets overlap (docs/decisions/0060).
+and al-dic are off by a quarter of what that mean changes, at every stretch and in both components. They are off by as
+much in every load step, and alike at neighbours whose subsets overlap (docs/decisions/0060).
 """
 
 import numpy as np

@@ -10,9 +10,9 @@ UNIT_MODULUS = 1.0
 def assumed_force(H: Float[np.ndarray, "step 2 2"], section: Float[np.ndarray, " 2"]) -> tuple[int, int, float]:
     """(step, axis, force [N]) of the one resultant that sets the level.
 
-    At the largest deformation, along its larger stretch, the sheet as a whole pulls as a neo-Hookean one of
-    :data:`UNIT_MODULUS` would under its mean deformation F, P = mu (F - F^-T / det(F)^2) in plane stress. No second
-    resultant is assumed, for it would say something of the law.
+    The sheet as a whole is taken for a neo-Hookean one of :data:`UNIT_MODULUS` under its mean deformation F. In plane
+    stress P = mu (F - F^-T / det(F)^2). The resultant is that at the largest deformation, along its larger stretch. No
+    second resultant is assumed, for it would say something of the law.
 
     Args:
         H: mean displacement gradient of every step.

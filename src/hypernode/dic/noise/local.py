@@ -41,16 +41,16 @@ def local_fit(
 ) -> tuple[Float[np.ndarray, "frame 2"], Float[np.ndarray, " 2"]]:
     """Standard deviation in each frame and correlation length of the noise, from fourth differences along grid lines.
 
-    At spacing k the variance of a fourth difference over 70 is, for noise of the level s and the autocorrelation r,
-    s^2 (70 - 112 r(k) + 56 r(2k) - 16 r(3k) + 2 r(4k)) / 70. To it deformation adds what grows with the spacing. The
-    level and what deformation adds along each axis, none negative, are fitted in each frame to the robust variances at
-    several spacings, and one length a component for all frames, by the likelihood of variances (gamma).
+    Let s be the level of the noise and r its autocorrelation. At spacing k the variance of a fourth difference over 70
+    is s^2 (70 - 112 r(k) + 56 r(2k) - 16 r(3k) + 2 r(4k)) / 70. Deformation adds a part that grows with the spacing.
+    The fit is to robust variances at several spacings, by their likelihood (gamma). Each frame has a level and what
+    deformation adds along each axis, none negative. One length a component is that of all frames.
 
-    It does not see noise smoother than a third of the largest spacing (2.7 steps on 33 to 53 lines, a twelfth of the
-    lines on fewer, an eighteenth on more): that of subsets which overlap widely, a lens' distortion, a camera that
-    moves. Where such noise is all there is, the level is near 0. What is rough from point to point and belongs to the
-    sheet, its texture, counts as noise. Noise of two steps and more is taken up to twice as large where kinks at
-    interfaces exceed it.
+    Noise smoother than a third of the largest spacing is not seen. That third is 2.7 steps on 33 to 53 lines, a twelfth
+    of the lines on fewer, an eighteenth on more. Such noise is that of subsets which overlap widely, of a lens'
+    distortion, of a camera that moves. Where it is all there is, the level is near 0. What is rough from point to point
+    and belongs to the sheet, its texture, counts as noise. Noise of two steps and more is taken up to twice as large
+    where kinks at interfaces exceed it.
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.

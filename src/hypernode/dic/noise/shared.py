@@ -31,8 +31,9 @@ def fine(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarr
 def shared_by_steps(displacement: Float[np.ndarray, "step row column 2"]) -> float:
     """Mean correlation of the fine errors of two load steps, from 0 to 1.
 
-    By the signs of the fine differences, whose correlation of a normal distribution is sin(pi/2 q) (Blomqvist, On a
-    measure of dependence between two random variables, 1950): interfaces, few among all points, hardly count.
+    It is sin(pi/2 q), with q the mean product of the signs of the fine differences. This holds for a normal
+    distribution (Blomqvist, On a measure of dependence between two random variables, 1950). Interfaces, few among all
+    points, hardly count.
     """
     values = fine(displacement)
     found = []

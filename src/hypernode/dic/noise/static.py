@@ -23,10 +23,10 @@ def frames_at_rest(
 ) -> list[int]:
     """Frames before the sheet moves, from the first on; those without any displacement are passed over.
 
-    A sheet is at rest where its mean strain is less than four of its uncertainties and where, without the mean
+    A sheet is at rest where two things hold. Its mean strain is less than four of its uncertainties. Without the mean
     displacement gradient, its displacement scatters no more than one and a half times as much as fine noise does.
-    Translations and small rotations are allowed: strain is the symmetric part of the gradient, and a rotation that
-    strains by its square is taken for motion, as is every rotation of a grid whose steps along x and y differ.
+    Translations and small rotations are allowed, since strain is the symmetric part of the gradient. A rotation that
+    strains by its square is taken for motion. So is every rotation of a grid whose steps along x and y differ.
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.
@@ -87,8 +87,8 @@ def without_affine(
     """A displacement without its mean and its mean gradient.
 
     Returns:
-        What is left, NaN where a point is lost; the gradient [along column or row, component] per grid step; and the
-        standard deviations of the gradient along columns and rows for independent noise of level 1.
+        What is left, NaN where a point is lost. The gradient [along column or row, component] per grid step. The
+        standard deviations of the gradient along columns and rows, for independent noise of level 1.
     """
     known = np.isfinite(u).all(axis=-1)
     row, column = np.indices(known.shape)

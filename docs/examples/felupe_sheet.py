@@ -1,7 +1,7 @@
 """An identified sheet in felupe, pulled in a way that the test has not seen.
 
     hypernode export results/CASE/METHOD FOLDER --to numpy --to vtu
-    python examples/felupe_sheet.py FOLDER 1.1
+    python docs/examples/felupe_sheet.py FOLDER 1.1
 
 Needs felupe and meshio, and nothing of hypernode: material.py of FOLDER is the material, sheet.vtu the mesh.
 """

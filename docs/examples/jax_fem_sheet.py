@@ -1,6 +1,6 @@
 """An identified sheet in JAX-FEM, pulled in a way that the test has not seen.
 
-    python examples/jax_fem_sheet.py results/CASE/METHOD/material.nc 1.1
+    python docs/examples/jax_fem_sheet.py results/CASE/METHOD/material.nc 1.1
 
 ``hypernode.fem.solver.EquilibriumSolver`` is a ``Problem`` of JAX-FEM with a Newton's method that needs no PETSc. In a
 ``Problem`` of one's own, ``law`` is what ``get_tensor_map`` returns, ``lambda grad_u, *leaves: law(grad_u + eye(2),
