@@ -22,11 +22,10 @@ from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch, stiffness_of
 from hypernode.identification.partition import cut_into
-from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
 from hypernode.identification.stiffness import StiffnessDescent
-from hypernode.identification.trials import Trials
+from hypernode.identification.trials import Trials, largest_and_half
 from hypernode.progress import say
 
 #: Materials at most.
@@ -94,7 +93,7 @@ class Search:
         trials = self._trials
         check_forces(lambda *terms: trials.problem(terms), trials.settings, trials.name)
         problem = trials.problem([term for term in trials.settings.terms if term == "J"])
-        self._steps = _largest_and_half(problem)
+        self._steps = largest_and_half(problem)
         params = problem.homogeneous.params
         u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
         field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
@@ -240,13 +239,3 @@ class Search:
                 or found
             )
         return found
-
-
-def _largest_and_half(problem: FieldProblem) -> list[int]:
-    """Two load steps of every load case: the largest, and the one that is closest to half of it."""
-    loading, found = problem.observations.loading, set()
-    for case in np.unique(loading.load_case):
-        own = np.flatnonzero(loading.load_case == case)
-        largest = own[np.argmax(loading.t[own])]
-        found |= {int(largest), int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
-    return sorted(found)

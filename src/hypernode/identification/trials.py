@@ -123,3 +123,13 @@ class Trials:
         for each in self._tried:
             trials[each] = each.trial(trials[each.start], independent)
         return Trace({trials[each]: self._reasons.get(each, "") for each in self._tried}), trials
+
+
+def largest_and_half(problem: FieldProblem) -> list[int]:
+    """Two load steps of every load case: the largest, and the one that is closest to half of it."""
+    loading, found = problem.observations.loading, set()
+    for case in np.unique(loading.load_case):
+        own = np.flatnonzero(loading.load_case == case)
+        largest = own[np.argmax(loading.t[own])]
+        found |= {int(largest), int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
+    return sorted(found)
