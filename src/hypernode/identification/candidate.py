@@ -14,6 +14,8 @@ from hypernode.trace import Score, Trial
 BY_CHANCE = 3.0
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
 EVIDENCE = 3.0
+#: Misfit of displacements over their noise of which three quarters of the squares are no noise.
+MOSTLY_NO_NOISE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,11 @@ class Candidate:
         """Whether displacements leave more than their noise by chance."""
         observations = self.problem.observations
         return self.level > 1.0 + BY_CHANCE * observations.noise_uncertainty
+
+    @property
+    def leaves_mostly_no_noise(self) -> bool:
+        """Whether most of what displacements leave is no noise."""
+        return self.level > MOSTLY_NO_NOISE
 
     @property
     def misses_deformation(self) -> bool:

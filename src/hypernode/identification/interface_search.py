@@ -14,7 +14,7 @@ import xarray as xr
 from hypernode.config.methods import Constrained
 from hypernode.data.information import information_of
 from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, Candidate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.interface_answer import answer
@@ -43,8 +43,6 @@ STEPS, FINER_STEPS = 15, 8
 ROUNDS = 2
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
-#: Misfit of displacements over their noise of which three quarters of the squares are no noise.
-MOSTLY_NO_NOISE = 2.0
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
 NOT_MADE_OF_FEW = 3.0
 
@@ -107,7 +105,8 @@ class Search:
             return None
         finer = self._finer(kept)
         for _ in range(ROUNDS):
-            more = self._parts(kept) if finer.misses_deformation and not len(kept.fit.field.gradual) else kept
+            open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
+            more = self._parts(kept) if open_ and not len(kept.fit.field.gradual) else kept
             if more is kept:
                 break
             kept = self._merged(self._with_law(more))
@@ -115,7 +114,7 @@ class Search:
         return answer(trials, finer, self._finds)
 
     def _parts(self, begun: Candidate) -> Candidate | None:
-        """As many materials more as explain more than they cost; None without equilibrium.
+        """As many materials, or more, as explain more than they cost; None without equilibrium.
 
         Where they are is told by what a factor of the stiffness in every cell explains, on top of what is known.
         """
@@ -126,7 +125,8 @@ class Search:
             return None if first else begun
         level = stiffness_of(problem, known.materials)
         kept, window = begun, WINDOW if self._finds and first else begun.fit.window
-        for count in range(known.count + 1, MOST + 1):
+        # On top of another law, as many materials may lie elsewhere.
+        for count in range(known.count + first, MOST + 1):
             field = cut_into(level[known.labels()] + stiffness.factor, count, known, level)
             if field.count < count:
                 break

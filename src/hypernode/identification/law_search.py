@@ -11,8 +11,8 @@ from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
-#: Steps of a descent at most: of a law alone, of lines that follow it.
-LAW_STEPS, LINE_STEPS = 8, 8
+#: Steps of a descent at most: of a law alone, of lines that follow it, and of those that are far from their place.
+LAW_STEPS, LINE_STEPS, FAR_STEPS = 8, 8, 20
 #: How many of the terms that may join are tried where noise is left, those first that promise most.
 TERMS_TRIED = 2
 #: Terms that say more of another one.
@@ -77,10 +77,10 @@ class LawSearch:
         """Lines that follow another law."""
         if kept.fit.field.count == 1:
             return kept
-        u, window = kept.u, kept.fit.window
-        move = f"lines with {kept.terms[-1]}"
+        u, window, near = kept.u, kept.fit.window, not kept.leaves_mostly_no_noise
+        move, most = f"lines with {kept.terms[-1]}", LINE_STEPS if near else FAR_STEPS
         found = self._trials.descend(
-            move, kept, kept.problem, kept.fit.field, u, self._steps, LINE_STEPS, window, self._finds
+            move, kept, kept.problem, kept.fit.field, u, self._steps, most, window, self._finds, settled=near
         )
         return found or kept
 
