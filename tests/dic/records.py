@@ -92,6 +92,13 @@ RECORDS = {
         "Elapsed Time [s],Stroke [mm],Load [kN]", lambda k, t, d, f: [t, d, f / 1e3], 2, units=0
     ),
     "usual_names_suffix": Record("t_s,position_mm,load_N", lambda k, t, d, f: [t, d, f], 2, units=0),
+    "pictures": Record(
+        "Bild;Weg;Kraft\n;mm;N", lambda k, t, d, f: [k + 1, d, f], 2, time=None, delimiter=";", decimal=","
+    ),
+    "pictures_brackets": Record(
+        "Image,Stroke [mm],Load [kN]", lambda k, t, d, f: [k + 1, d, f / 1e3], 2, time=None, units=0
+    ),
+    "pictures_suffix": Record("frame,position_mm,load_N", lambda k, t, d, f: [k + 1, d, f], 2, time=None, units=0),
     "cellscale_biotester": Record(
         "SetName,Cycle,Time_S,Temperature,XSize_um,YSize_um,XDisplacement_um,YDisplacement_um,XForce_mN,YForce_mN",
         lambda k, t, d, f: [

@@ -64,8 +64,8 @@ def check_pace(
 ) -> list[Finding]:
     """The force [N] grows with the stretch between any two frames about as it does before and after them.
 
-    A sheet whose slope is lower between two frames only is none: pictures that were dropped there make it so, since the
-    record is read as many frames too early from then on.
+    No sheet has a lower slope between two frames only. Pictures that were dropped there make it so: from then on the
+    record is read as many frames too early.
 
     Args:
         stretch: of the frames of one loading, the reference first.
