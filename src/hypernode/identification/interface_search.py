@@ -50,13 +50,9 @@ NOT_MADE_OF_FEW = 3.0
 def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> InterfaceEstimate | None:
     """The few materials and lines that explain a test; None where they do not, or where they are not sought.
 
-    They are not sought in five cases:
-
-    - The configuration asks for no layers.
-    - Displacements are known to be those of finite elements on the measured grid, so that no line cuts a cell.
-    - Displacements have no noise.
-    - Grey levels are observed.
-    - The grid has more cells than are searched at once.
+    They are sought where the configuration asks for layers, displacements have noise, and the grid has no more cells
+    than are searched at once. Grey levels are not searched. Nor are displacements that are known to be those of finite
+    elements on the measured grid, where no line cuts a cell.
 
     Args:
         measurement: an opened measurement.
