@@ -9,7 +9,7 @@ from tests.dic.records import RECORDS, text
 from tests.dic.refusals import refused
 
 #: Programs that write a unit behind the name, as Force_N.
-WITH_SUFFIX = ("cellscale_biotester", "cellscale_univert", "usual_names_suffix")
+WITH_SUFFIX = ("cellscale_biotester", "cellscale_univert", "pictures_suffix", "usual_names_suffix")
 TIME = 0.25 * np.arange(12)
 FORCE = 1.5 + 8.0 * TIME - TIME**2
 
