@@ -179,8 +179,8 @@ def test_the_schema_page_is_the_schema():
 
 def test_the_example_of_the_readme_runs(smoke, capsys):
     example = (ROOT / "README.md").read_text().split("```python\n")[1].split("```")[0]
-    assert "results/P_soft/hypernode/material.nc" in example
-    example = example.replace("results/P_soft/hypernode/material.nc", str(smoke / "results/disc/tiny/material.nc"))
+    assert "results/example/hypernode/material.nc" in example
+    example = example.replace("results/example/hypernode/material.nc", str(smoke / "results/disc/tiny/material.nc"))
     names = {}
     exec(example, names)
     assert names["P"].shape == (2, 2, 2) and names["W"].shape == (2,) and names["A"].shape == (2, 2, 2, 2, 2)
