@@ -177,6 +177,14 @@ def test_pictures_that_the_camera_dropped_are_told_by_the_curve(dropped):
     assert "between frames 5 and 6" in finding.sentence and f"dropped {dropped} pictures" in finding.sentence
 
 
+def test_one_reading_of_the_force_that_is_off_is_no_missing_picture():
+    stretch = 1.0 + 0.01 * np.arange(25.0)
+    for at in range(8, 24):
+        force = force_at(0.01 * np.arange(25.0))
+        force[at] -= 0.32 * (force[at] - force[at - 1])
+        assert check_pace(stretch, force, np.arange(25)) == []
+
+
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 def test_no_curve_of_a_sheet_skips_pictures(name, noise):

@@ -18,7 +18,7 @@ _STANDS = 0.1
 _FEWEST = 3
 #: How much less the force grows with the stretch between two frames than before and after them, from which pictures are
 #: missing there: one that is missing makes it half. And the scatter of that ratio beyond which it is told.
-_SKIPS, _DEVIATIONS = 1.6, 6.0
+_SKIPS, _DEVIATIONS = 1.75, 6.0
 #: Share of the usual step of the stretch below which a step tells no slope, and fewest steps.
 _STEP, _STEPS = 0.25, 6
 
@@ -76,7 +76,9 @@ def check_pace(
     if len(step) < _STEPS or (step <= _STEP * np.median(step)).any() or (rise <= 0.0).any():
         return []
     slope = np.log(rise / step)
-    less = 0.5 * (slope[:-2] + slope[2:]) - slope[1:-1]
+    # One reading that is off makes a step lower and its neighbour steeper: the usual slope around is a median.
+    around = [np.median(np.delete(slope[max(k - 2, 0) : k + 3], min(k, 2))) for k in range(1, len(slope) - 1)]
+    less = np.array(around) - slope[1:-1]
     k = int(np.argmax(less))
     # A step that stands out bends the curve on both of its sides as well.
     others = np.delete(less, slice(max(k - 1, 0), k + 2))
