@@ -27,6 +27,23 @@ def test_a_later_coat_hides_an_earlier_one():
     assert (found[:, :3] == 0).all() and (found[:, 3:6] == 1).all() and (found[:, 6:] == 2).all()
 
 
+def test_materials_that_are_nowhere_are_left_out_when_distances_are_measured_anew():
+    everywhere, nowhere = np.ones_like(X), -np.ones_like(X)
+    for field, kept in (
+        (coats(X - 3.0, nowhere, X - 6.0), [0, 1, 3]),
+        (coats(X - 3.0, everywhere, X - 6.0), [2, 3]),
+        (coats(nowhere), [0]),
+        (coats(everywhere), [1]),
+    ):
+        found = field.measured_anew(1)
+        assert found.materials.ravel().tolist() == kept and len(found.distances) == len(kept) - 1
+        np.testing.assert_array_equal(found.materials[found.labels()], field.materials[field.labels()])
+
+
+def test_without_a_line_distances_are_finite():
+    assert np.isfinite(Lines.of(GRID, refine(GRID, 1)).grid.distance(np.ones_like(X))).all()
+
+
 def area_of(field, material):
     """Share of the sheet."""
     of, _ = field.cells()

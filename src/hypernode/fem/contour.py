@@ -100,7 +100,7 @@ class ContourLines:
         return found[: len(some), 0], found[: len(some), 1:]
 
     def distance(self, values: Float[np.ndarray, " node"], fewest: int = 1) -> Float[np.ndarray, " node"]:
-        """Signed distance from the zero line of ``values``.
+        """Signed distance from the zero line of ``values``; that across the grid where there is none.
 
         Args:
             fewest: regions of fewer nodes than that join what is around them.
@@ -114,7 +114,7 @@ class ContourLines:
         signs = np.sign(grid[self._place])
         lines = find_contours(grid, 0.0)
         if not lines:
-            return signs * np.inf
+            return signs * np.hypot(*grid.shape)
         step = np.linspace(0.0, 1.0, POINTS, endpoint=False)[:, None]
         points = [one + step * (other - one) for line in lines for one, other in pairwise(line)]
         far, _ = cKDTree(np.concatenate(points)).query(np.stack(self._place, axis=1))

@@ -171,9 +171,17 @@ class Interfaces:
         return np.concatenate([self.materials.ravel(), *still, self.gradual])
 
     def measured_anew(self, fewest: int) -> "Interfaces":
-        """The same lines, from which distances are measured anew; regions of fewer nodes are none."""
+        """The same lines, from which distances are measured anew; regions of fewer nodes are none.
+
+        Materials that are nowhere by then, or that a later one hides everywhere, are left out.
+        """
         distances = [self.lines.grid.distance(row, fewest) for row in self.distances]
-        return dataclasses.replace(self, distances=np.array(distances).reshape(self.distances.shape))
+        hiding = [k for k, row in enumerate(distances) if row.min() > 0.0]
+        first = hiding[-1] + 1 if hiding else 0
+        kept = [k for k in range(first, len(distances)) if distances[k].max() > 0.0]
+        materials = self.materials[[first, *(k + 1 for k in kept)]]
+        distances = np.array([distances[k] for k in kept]).reshape(len(kept), self.distances.shape[1])
+        return dataclasses.replace(self, materials=materials, distances=distances)
 
     def merged(self, one: int, other: int) -> "Interfaces":
         """The same with what is of the later of two materials given to the earlier one."""
