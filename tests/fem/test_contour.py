@@ -78,7 +78,11 @@ def test_regions_of_fewer_nodes_than_a_cell_has_join_what_is_around_them():
     assert LINES.distance(values)[0] > 0.0
     without = LINES.distance(values, fewest=4)
     np.testing.assert_allclose(without, LINES.distance(disc(0.31)), atol=0.05)
-    assert np.isinf(LINES.distance(np.ones(len(MESH.nodes)))).all()
+
+
+def test_without_a_line_every_node_is_farther_from_one_than_the_grid_is_wide():
+    far = LINES.distance(np.ones(len(MESH.nodes)))
+    assert np.isfinite(far).all() and (far > max(len(line) - 1 for line in MESH.lines)).all()
 
 
 def test_a_straight_line_does_not_bend():

@@ -40,10 +40,6 @@ def test_materials_that_are_nowhere_are_left_out_when_distances_are_measured_ane
         np.testing.assert_array_equal(found.materials[found.labels()], field.materials[field.labels()])
 
 
-def test_without_a_line_distances_are_finite():
-    assert np.isfinite(Lines.of(GRID, refine(GRID, 1)).grid.distance(np.ones_like(X))).all()
-
-
 def area_of(field, material):
     """Share of the sheet."""
     of, _ = field.cells()
