@@ -27,7 +27,7 @@ def missed_deformation(misfit, constrained: xr.Dataset):
         misfit: root mean square over the noise, a number or an array.
         constrained: an opened field.
     """
-    return (misfit**2 - 1.0).clip(0.0) ** 0.5 * float(constrained.attrs["noise_deformation"])
+    return np.sqrt(np.maximum(misfit**2 - 1.0, 0.0)) * float(constrained.attrs["noise_deformation"])
 
 
 def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
@@ -76,7 +76,7 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
 
 def _as_it_counts(judged: Criterion, misfit: float, constrained: xr.Dataset, settings: Settings) -> Criterion:
     """One level less where a misfit stands for a deformation that does not count."""
-    missed = float(missed_deformation(np.float64(misfit), constrained))
+    missed = float(missed_deformation(misfit, constrained))
     if misfit <= 1.0 or judged.level not in LESS or not missed <= settings.deformation:
         return judged
     sentence = f"{judged.sentence} That stands for {percent(missed)} of the deformation, which counts for no stress."

@@ -22,7 +22,7 @@ from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
 from hypernode.inspection.forces import Course, courses, going_on
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
-from hypernode.inspection.load import HARDLY, LoadSeen, recognised
+from hypernode.inspection.load import LoadSeen, recognised
 from hypernode.inspection.records import Cycle, RecordFile, cycle_of_test, record_files, record_of_test
 from hypernode.inspection.size import size_known
 from hypernode.progress import heard
@@ -123,7 +123,7 @@ def _with_load(seen: Inspection) -> Inspection:
         seen = _and(seen, guessed("load", load.kind, load.reason))
     elif load.kind not in (None, given):
         seen = _and(seen, odd(f"it looks like {load.kind} and not {given}: {load.reason}", "load"))
-    elif load.kind is None and load.reason.startswith(HARDLY) and "displacement_factor" not in seen.known.settings:
+    elif load.still and "displacement_factor" not in seen.known.settings:
         seen = _and(seen, odd(load.reason, "displacement_factor"))
     return _and(seen, _unloading(seen))
 

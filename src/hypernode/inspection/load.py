@@ -13,8 +13,6 @@ from hypernode.inspection.field import mean_gradients
 _FAR = 0.5
 #: Mean strain below which a sheet hardly deforms: no law of a soft material can be told from so little.
 LEAST_STRAIN = 1e-3
-#: How the reason of such a sheet begins.
-HARDLY = "the sheet hardly deforms"
 #: Uncertainties within which a mean gradient is none.
 _CHANCE = 3.0
 #: Shear over stretch from which both count; at its inverse the stretch no longer does.
@@ -50,6 +48,16 @@ class LoadSeen:
     frame: int
     gradient: Float[np.ndarray, "2 2"]
 
+    @property
+    def still(self) -> bool:
+        """Whether the sheet deforms too little to show a load."""
+        return self.kind is None and strain_of(self.gradient) < LEAST_STRAIN
+
+
+def strain_of(gradient: Float[np.ndarray, "2 2"]) -> float:
+    """The largest of both stretches less one and the shear."""
+    return float(np.abs([*np.diag(gradient), gradient[0, 1] + gradient[1, 0]]).max())
+
 
 def recognised(series: Series) -> LoadSeen:
     """Which load a series looks like, by the frame in which its mean gradient is largest.
@@ -80,11 +88,14 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
     H = np.stack([each.gradient for each in pair], axis=1)
     shear, stretch = H[0, 1] + H[1, 0], np.diag(H)
     least = max(LEAST_STRAIN, _CHANCE * max(float(each.uncertainty.max()) for each in pair))
-    if max(abs(shear), np.abs(stretch).max()) < least:
-        size = f"its largest mean strain is {max(abs(shear), np.abs(stretch).max()):.2g}"
+    if strain_of(H) < least:
+        size = f"its largest mean strain is {strain_of(H):.2g}"
         if least > LEAST_STRAIN:
             return None, f"end lines scatter by more than the sheet deforms: {size}, known to {least / _CHANCE:.2g}"
-        return None, f"{HARDLY}: {size}; or displacements are in another unit than positions, displacement_factor"
+        return (
+            None,
+            f"the sheet hardly deforms: {size}; or displacements are in another unit than positions, displacement_factor",
+        )
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:
