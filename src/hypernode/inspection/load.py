@@ -92,7 +92,8 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
         size = f"its largest mean strain is {strain_of(H):.2g}"
         if least > LEAST_STRAIN:
             return None, f"end lines scatter by more than the sheet deforms: {size}, known to {least / _CHANCE:.2g}"
-        return None, f"the sheet hardly deforms: {size}; or displacements have another unit, displacement_factor"
+        other = "or displacements are in another unit than positions, displacement_factor"
+        return None, f"the sheet hardly deforms: {size}; {other}"
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:
