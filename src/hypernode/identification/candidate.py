@@ -16,6 +16,8 @@ BY_CHANCE = 3.0
 EVIDENCE = 3.0
 #: Misfit of displacements over their noise of which three quarters of the squares are no noise.
 MOSTLY_NO_NOISE = 2.0
+#: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
+NOT_MADE_OF_FEW = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +51,18 @@ class Candidate:
     @property
     def leaves_more_than_noise(self) -> bool:
         """Whether displacements leave more than their noise by chance."""
-        observations = self.problem.observations
-        return self.level > 1.0 + BY_CHANCE * observations.noise_uncertainty
+        known = self.problem.observations.noise_uncertainty
+        return self.level > 1.0 + BY_CHANCE * float(np.hypot(known, (2.0 * self.fit.left.independent) ** -0.5))
 
     @property
     def leaves_mostly_no_noise(self) -> bool:
         """Whether most of what displacements leave is no noise."""
         return self.level > MOSTLY_NO_NOISE
+
+    @property
+    def leaves_nothing(self) -> bool:
+        """Whether equilibrium is solved no better than it explains displacements, and forces are missed by chance."""
+        return self.fit.misfit <= self.problem.solver_error and self.fit.forces <= 1.0
 
     @property
     def misses_deformation(self) -> bool:
@@ -79,16 +86,15 @@ class Candidate:
             independent: how many independent numbers the residuals of displacements are worth.
         """
         fit = self.fit
-        places = float(np.log(len(fit.field.lines.grid.mesh.cells)))
         return Score(
-            displacements=independent * float(np.log(fit.misfit)),
+            displacements=independent * float(np.log(np.hypot(fit.misfit, self.problem.solver_error))),
             # What leaves more than noise of displacements describes forces no better.
             forces=0.5 * fit.force_squared / max(self.level, 1.0) ** 2,
             prior=fit.prior,
             noise=0.0,
             terms=0.5 * len(self.problem.basis.names) * float(np.log(max(independent, 2.0))),
             determined=fit.determined,
-            places=len(fit.field.distances) * places,
+            places=fit.field.places,
         )
 
     def trial(self, start: Trial | None, independent: float) -> Trial:

@@ -111,6 +111,13 @@ def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel, gain: floa
             best = list(options.pairs[together.argmin()])
         lowered = min(change.min(), together.min(initial=np.inf))
         if not lowered < -gain:
+            # Errors of far cells may hide one another.
+            far = change[:, None] + change + np.outer(sign, sign) * curvature
+            far[options.cell[:, None] == options.cell] = np.inf
+            far[one, other] = far[other, one] = np.inf
+            best = list(np.unravel_index(far.argmin(), far.shape))
+            lowered = float(far[tuple(best)])
+        if not lowered < -gain:
             break
         for k in best:
             gradient += sign[k] * curvature[:, k]

@@ -13,14 +13,16 @@ import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.data.information import information_of
-from hypernode.data.measurement import displacement_noise, is_on_its_own_grid, window_uncertainty
-from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, Candidate
+from hypernode.data.measurement import window_uncertainty
+from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch, stiffness_of
+from hypernode.identification.mosaic import Mosaic
+from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.partition import cut_into
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
@@ -43,16 +45,13 @@ STEPS, FINER_STEPS = 15, 8
 ROUNDS = 2
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
-#: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
-NOT_MADE_OF_FEW = 3.0
 
 
 def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> InterfaceEstimate | None:
     """The few materials and lines that explain a test; None where they do not, or where they are not sought.
 
-    They are sought where the configuration asks for layers, displacements have noise, and the grid has no more cells
-    than are searched at once. Grey levels are not searched. Nor are displacements that are known to be those of finite
-    elements on the measured grid, where no line cuts a cell.
+    They are sought where the configuration asks for layers, and the grid has no more cells than are searched at once.
+    Grey levels are not searched.
 
     Args:
         measurement: an opened measurement.
@@ -62,9 +61,8 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     Raises:
         ImpossibleForcesError: no sheet gives the forces.
     """
-    sought = settings.layers and not is_on_its_own_grid(measurement) and information_of(measurement) is None
-    searched = measurement.sizes["cell"] <= strategy.most_cells_at_once and displacement_noise(measurement) > 0.0
-    if not (sought and searched):
+    sought = settings.layers and information_of(measurement) is None
+    if not sought or measurement.sizes["cell"] > strategy.most_cells_at_once:
         return None
     found = Search(measurement, settings, name, strategy).end()
     if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
@@ -92,13 +90,25 @@ class Search:
         u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
         field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
         one = trials.descend("one material", None, problem, field, u, self._steps, FINER_STEPS)
-        kept = self._parts(one) if one is not None and one.leaves_more_than_noise else one
+        if one is None:
+            return None
+        kept = one
+        if one.leaves_more_than_noise:
+            begun = self._begun(one)
+            # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
+            mosaic = self._mosaic(one, begun) if problem.certain else None
+            if mosaic is not None and not mosaic.leaves_more_than_noise:
+                return self._answer(mosaic)
+            kept = self._parts(one, begun)
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
         if kept.leaves_more_than_noise and kept.fit.misfit > NOT_MADE_OF_FEW * self._by_cell:
-            say("constrained", trials.name, "few materials leave far more than a factor in every cell")
-            return None
+            cells = self._whole_cells(kept, kept)
+            if cells is kept or cells.fit.misfit > NOT_MADE_OF_FEW * max(self._by_cell, 1.0):
+                say("constrained", trials.name, "few materials leave far more than a factor in every cell")
+                return None
+            return self._answer(cells)
         finer = self._finer(kept)
         for _ in range(ROUNDS):
             open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
@@ -107,18 +117,53 @@ class Search:
                 break
             kept = self._merged(self._with_law(more))
             finer = self._finer(kept)
-        return answer(trials, finer, self._finds)
+        return self._answer(self._whole_cells(kept, finer))
 
-    def _parts(self, begun: Candidate) -> Candidate | None:
+    def _whole_cells(self, kept: Candidate, finer: Candidate) -> Candidate:
+        """The same materials of whole cells, if these explain more than lines do; else what lines ended with."""
+        if kept.fit.field.count == 1:
+            return finer
+        trials = self._trials
+        found = MosaicSearch(trials, self._steps, MOST).near(kept, "whole cells of these materials")
+        if found is None:
+            return finer
+        gain = found.gain_over(finer)
+        best, other, word = (found, finer, "whole cells") if gain > 0.0 else (finer, found, "lines")
+        trials.passed_over(other, f"scores {abs(gain):+.1f} against {word}")
+        return best
+
+    def _answer(self, kept: Candidate) -> InterfaceEstimate | None:
+        if isinstance(kept.fit.field, Mosaic):
+            every = list(range(len(kept.problem.observations.u)))
+            kept = MosaicSearch(self._trials, every, MOST).near(kept, "all load steps") or kept
+        return answer(self._trials, kept, self._finds)
+
+    def _begun(self, found: Candidate):
+        """(materials that are known, the factor in every cell beside them, displacements it leads to)."""
+        plain = found.problem.homogeneous.params[None]
+        known = found.fit.field.with_law(plain) if found.start is None else found.fit.field
+        return known, *self._factor_of_cells(found, known)
+
+    def _mosaic(self, one: Candidate, begun) -> Candidate | None:
+        """The likeliest few materials of whole cells; None where the sheet is not made of them."""
+        known, stiffness, u = begun
+        if stiffness is None:
+            return None
+        return MosaicSearch(self._trials, self._steps, MOST).end(one, known, stiffness.factor, u, stiffness.misfit)
+
+    def _parts(self, found: Candidate, begun=None) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
 
         Where they are is told by what a factor of the stiffness in every cell explains, on top of what is known.
+
+        Args:
+            begun: of :meth:`_begun`, where that is known.
         """
-        trials, problem, first = self._trials, begun.problem, begun.fit.field.count == 1
-        known = begun.fit.field.with_law(problem.homogeneous.params[None]) if begun.start is None else begun.fit.field
-        stiffness, u = self._factor_of_cells(begun, known)
+        trials, problem, first = self._trials, found.problem, found.fit.field.count == 1
+        known, stiffness, u = begun or self._begun(found)
         if stiffness is None:
-            return None if first else begun
+            return None if first else found
+        begun = found
         level = stiffness_of(problem, known.materials)
         kept, window = begun, WINDOW if self._finds and first else begun.fit.window
         # On top of another law, as many materials may lie elsewhere.

@@ -74,6 +74,11 @@ class Interfaces:
         """How many materials there are."""
         return len(self.materials)
 
+    @property
+    def places(self) -> float:
+        """Logarithm of the number of places where lines might be."""
+        return len(self.distances) * float(np.log(len(self.lines.grid.mesh.cells)))
+
     def cells(self) -> tuple[CellMaterials, Cuts]:
         """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
         distances = [self.lines.between @ distance for distance in self.distances]

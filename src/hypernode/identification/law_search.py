@@ -1,5 +1,7 @@
 """Which terms the law of the materials has, one after the other as long as one pays."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
@@ -25,10 +27,18 @@ class LawSearch:
     Args:
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
+        settled: what places of materials do once the law is another one; left out, lines follow.
     """
 
-    def __init__(self, trials: Trials, steps: list[int], finds_window: bool):
+    def __init__(
+        self,
+        trials: Trials,
+        steps: list[int],
+        finds_window: bool,
+        settled: Callable[[Candidate], Candidate] | None = None,
+    ):
         self._trials, self._steps, self._finds = trials, steps, finds_window
+        self._settled = settled or self._lines_again
 
     def end(self, kept: Candidate) -> Candidate:
         """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
@@ -37,7 +47,7 @@ class LawSearch:
         all of them where more than noise is left.
         """
         trials = self._trials
-        while True:
+        while not kept.leaves_nothing:
             promises = {term: self._promise(kept, term) for term in self._open(kept)}
             promising = sorted(promises, key=lambda term: promises[term][0])
             # Where lines and materials leave deformation, one step is too short to say what a term explains.
@@ -54,8 +64,9 @@ class LawSearch:
                     break
                 trials.passed_over(found, f"scores {-gain:+.1f} against the law without {term}")
             if paid is None:
-                return kept
-            kept = self._lines_again(paid)
+                break
+            kept = self._settled(paid)
+        return kept
 
     def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
         """(the score that a term promises by one step of the materials, the field from which that step goes).

@@ -57,10 +57,10 @@ def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FE
     return labels
 
 
-def cut_into(
+def parts(
     stiffness: Float[np.ndarray, " cell"], count: int, known: Interfaces, of_materials: Float[np.ndarray, " material"]
-) -> Interfaces:
-    """Parts of about equal stiffness, the largest first.
+) -> tuple[Int[np.ndarray, " cell"], Float[np.ndarray, "material parameter"]]:
+    """(number of the part of every cell, its material) of parts of about equal stiffness, the largest first.
 
     Each is of the material that most of it was, made as stiff as it is.
 
@@ -70,12 +70,21 @@ def cut_into(
         known: the materials before, and their lines.
         of_materials: logarithm of the stiffness of each of these.
     """
-    lines, level, before = known.lines, levels(stiffness, count), known.labels()
-    labels = without_small(lines.grid.mesh, np.abs(stiffness[:, None] - level).argmin(axis=1))
+    level, before = levels(stiffness, count), known.labels()
+    labels = without_small(known.lines.grid.mesh, np.abs(stiffness[:, None] - level).argmin(axis=1))
     size = np.bincount(labels, minlength=count)
     order = [k for k in np.argsort(-size, kind="stable") if size[k]]
     was = [int(np.bincount(before[labels == k]).argmax()) for k in order]
     materials = known.materials[was].copy()
     materials[:, 0] += level[order] - of_materials[was]
-    distances = [lines.grid.through((labels == k).astype(float)) for k in order[1:]]
-    return Interfaces(lines, materials, np.array(distances).reshape(len(order) - 1, len(lines.grid.mesh.nodes)))
+    return np.argsort(order)[np.unique(labels, return_inverse=True)[1]], materials
+
+
+def cut_into(
+    stiffness: Float[np.ndarray, " cell"], count: int, known: Interfaces, of_materials: Float[np.ndarray, " material"]
+) -> Interfaces:
+    """:func:`parts` with lines around them."""
+    labels, materials = parts(stiffness, count, known, of_materials)
+    lines = known.lines
+    distances = [lines.grid.through((labels == k).astype(float)) for k in range(1, len(materials))]
+    return Interfaces(lines, materials, np.array(distances).reshape(len(materials) - 1, len(lines.grid.mesh.nodes)))

@@ -82,6 +82,11 @@ class FieldProblem:
         return self.observations.sigma
 
     @property
+    def solver_error(self) -> float:
+        """How far displacements are from equilibrium, over their standard deviation."""
+        return self.strategy.newton_tolerance * float(np.abs(self.observations.u).max()) / self.sigma
+
+    @property
     def noisy(self) -> bool:
         """Whether noise rules that, and not finite elements."""
         return self.observations.noisy

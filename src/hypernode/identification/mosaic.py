@@ -1,0 +1,175 @@
+"""A sheet whose cells are each of one of a few materials: a mosaic, as finite elements or a printer's voxels make it.
+
+No line cuts a cell. Which material a cell is of changes by whole cells. What a change does to the test is linearised
+where every cell that may change is a mixture of what it may be, so that one model holds on both sides.
+"""
+
+import dataclasses
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float, Int
+
+from hypernode.fem.contour import ContourLines
+from hypernode.fem.mesh import Mesh
+from hypernode.identification.coats import Cut, Cuts, layers_of
+from hypernode.identification.contours import ContourModel, Options, options_at_contours, relabelled
+from hypernode.identification.few_materials import at_contours
+from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.sheet import CellMaterials, CellResponse
+
+#: What a side between two materials costs. The contour goes on or turns at its end: a digital straight line has no more
+#: than two directions (Rosenfeld, Digital straight line segments, 1974).
+SIDE = float(np.log(2.0))
+#: What changed labels must lower the cost by: less is chance.
+GAIN = 0.5
+#: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
+SHARES = (1.0, 0.5, 0.25, 0.1)
+
+
+@dataclasses.dataclass(frozen=True)
+class Mosaic(Interfaces):
+    """Materials of whole cells.
+
+    Attributes:
+        of_cells: material of every cell of the measured grid, whose cells are the finite elements (cell,).
+        given: labels that lines told, from which few cells differ; None without lines (cell,).
+        code: logarithm of the number of lines as probable as those.
+    """
+
+    of_cells: Int[np.ndarray, " cell"] = None
+    given: Int[np.ndarray, " cell"] | None = None
+    code: float = 0.0
+
+    @classmethod
+    def of(cls, lines: Lines, materials: Float[np.ndarray, "material parameter"], labels) -> "Mosaic":
+        """The materials of cells with these labels."""
+        return cls(lines, materials, np.zeros((0, len(lines.grid.mesh.nodes))), of_cells=labels)
+
+    @property
+    def places(self) -> float:
+        """Logarithm of the number of labels as probable as these: of contours as long, or of changes of given ones."""
+        mesh = self.lines.grid.mesh
+        if self.given is not None:
+            return self.code + self._change * int((self.of_cells != self.given).sum())
+        sides, _, _ = mesh.neighbours()
+        apart = int((self.of_cells[sides[:, 0]] != self.of_cells[sides[:, 1]]).sum())
+        return SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
+
+    @property
+    def _change(self) -> float:
+        """What a label costs that is another one than was given: as many cells at contours may be it."""
+        return float(np.log(max(at_contours(self.lines.grid.mesh, self.given).sum(), 1)))
+
+    def _cells(self, contours: ContourLines, distances, log_factor) -> tuple[CellMaterials, Cuts]:
+        none, nowhere = Cut.none(len(self.of_cells)), np.zeros(0, int)
+        pieces, cuts = layers_of(self.of_cells, none, none, nowhere, nowhere)
+        return CellMaterials(self.materials, self.of_cells, *pieces, np.exp(log_factor)), cuts
+
+    def labels(self) -> Int[np.ndarray, " cell"]:
+        """The material of every cell."""
+        return self.of_cells
+
+    def measured_anew(self, fewest: int) -> "Mosaic":
+        """The same: no distance is measured."""
+        return self
+
+    def merged(self, one: int, other: int) -> "Mosaic":
+        """The same with what is of the later of two materials given to the earlier one."""
+        one, other = sorted((one, other))
+        labels = np.where(self.of_cells == other, one, self.of_cells)
+        return dataclasses.replace(
+            self, materials=np.delete(self.materials, other, axis=0), of_cells=labels - (labels > other)
+        )
+
+    def relabelled(self, test: SeenTest, states) -> "list[Mosaic]":
+        """The same with labels that should explain a test better: all changes, then those that promise most.
+
+        Args:
+            states: equilibrium of every step of the test.
+        """
+        options = options_at_contours(self.lines.grid.mesh, self.of_cells)
+        if not len(options.cell) or (model := self._model(test, states, options)) is None:
+            return []
+        labels = relabelled(self.of_cells, model, GAIN)
+        changed = np.flatnonzero(labels != self.of_cells)
+        order = changed[np.argsort(self._promised(model, labels, changed), kind="stable")]
+        found = []
+        for count in dict.fromkeys(int(np.ceil(share * len(order))) for share in SHARES if len(order)):
+            some = self.of_cells.copy()
+            some[order[:count]] = labels[order[:count]]
+            if len(np.unique(some)) == self.count:
+                found.append(dataclasses.replace(self, of_cells=some))
+        return found
+
+    def _promised(self, model: ContourModel, labels, changed) -> Float[np.ndarray, " changed"]:
+        """What each change alone, of all that are promised, changes of the cost, the others made."""
+        options = model.options
+        taken = labels[options.cell] == options.label
+        slope = model.gradient + model.curvature @ taken - 0.5 * np.diag(model.curvature)
+        of_cell = dict(zip(options.cell[taken].tolist(), slope[taken].tolist(), strict=True))
+        return np.array([of_cell[cell] for cell in changed.tolist()])
+
+    def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
+        """The misfit by options, as a quadratic form whose materials follow."""
+        half_way = self._half_way(options)
+        tolerance, between = test.problem.strategy.newton_tolerance, []
+        for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
+            between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
+        if any(each is None for each in between):
+            return None
+        sigma = test.sigma_of(states)
+        loads = [self._loads(test.sheet.response(u, half_way, True)[2], half_way, options) for u, _, _ in between]
+        curvature, gradient = test.shared(states, sigma).normal(
+            test.answers(between, loads, sigma), test.residuals(states, sigma)
+        )
+        count = len(options.cell)
+        own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
+        follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
+        across = curvature[:count, count:]
+        gradient, curvature = gradient[:count] - across @ follow[:, -1], curvature[:count, :count] - across @ follow[:, :-1]
+        sides = _sides(self.lines.grid.mesh)
+        if self.given is not None:
+            sides, given = 0.0 * sides, self.given[options.cell]
+            away, now = options.label != given, self.of_cells[options.cell] != given
+            gradient = gradient + self._change * (away.astype(float) - now)
+        return ContourModel(options, gradient, curvature, sides, 1.0 - np.eye(self.count))
+
+    def _half_way(self, options: Options) -> CellMaterials:
+        """Cells that may change as mixtures of all that they may be, in equal parts; the options come first."""
+        changing = np.unique(options.cell)
+        cell = np.concatenate([options.cell, changing])
+        material = np.concatenate([options.label, self.of_cells[changing]])
+        weight = 1.0 / np.bincount(cell, minlength=len(self.of_cells))[cell]
+        normal = np.tile([1.0, 0.0], (len(cell), 1))
+        half = np.full(len(cell), 0.5)
+        return CellMaterials(
+            self.materials, self.of_cells, cell, material, material, half, normal, weight, np.ones(len(self.of_cells))
+        )
+
+    def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
+        """Derivative of the nodal forces by the options, then by the materials, row by row."""
+        mesh, count = self.lines.fine.mesh, self.materials.shape[1]
+        size, number = mesh.nodes.size, len(options.cell)
+        now = np.searchsorted(np.unique(options.cell), options.cell) + number
+        change = response.by_weight[:number] - response.by_weight[now]
+        rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
+        by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (size, number))
+        rows, columns, values = [], [], []
+        whole = response.by_one, self.of_cells, mesh.dofs
+        mixed = response.by_first + response.by_second, of.first, mesh.dofs[of.cell]
+        for each, material, dofs in (whole, mixed):
+            rows.append(np.repeat(dofs[:, :, None], count, axis=2).ravel())
+            columns.append(np.broadcast_to(material[:, None, None] * count + np.arange(count), each.shape).ravel())
+            values.append(each.ravel())
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        by_materials = scipy.sparse.csr_matrix(entries, (size, self.materials.size))
+        return scipy.sparse.hstack([by_options, by_materials], format="csr")
+
+
+def _sides(mesh: Mesh) -> scipy.sparse.csr_matrix:
+    """What sides between cells cost (cell, cell)."""
+    sides, _, _ = mesh.neighbours()
+    both = np.concatenate([sides, sides[:, ::-1]])
+    return scipy.sparse.csr_matrix((np.full(len(both), SIDE), both.T), (len(mesh.cells),) * 2)

@@ -1,0 +1,111 @@
+"""Of which materials whole cells are: counts, contours and law, each step for a stated reason."""
+
+import dataclasses
+
+import numpy as np
+
+from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.law_search import LawSearch, stiffness_of
+from hypernode.identification.mosaic import Mosaic
+from hypernode.identification.partition import parts
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.trials import Trials
+
+#: Steps of a descent of materials at most, and how often contours move.
+STEPS, ROUNDS = 15, 10
+
+
+class MosaicSearch:
+    """The search on one test.
+
+    Args:
+        steps: load steps that count.
+        most: materials at most.
+    """
+
+    def __init__(self, trials: Trials, steps: list[int], most: int):
+        self._trials, self._steps, self._most = trials, steps, most
+
+    def end(self, begun: Candidate, known: Interfaces, factor, u, least: float) -> Candidate | None:
+        """The likeliest few materials of whole cells; None where the sheet is not made of them.
+
+        Args:
+            begun: the candidate that leaves what a factor in every cell explains.
+            known: its materials, and which of them every cell is of.
+            factor: logarithm of that factor (cell,).
+            u: displacement of every load step with it.
+            least: what it leaves of the displacements, over their noise.
+        """
+        trials, problem, kept = self._trials, begun.problem, None
+        level = stiffness_of(problem, known.materials)
+        for count in range(known.count + (known.count == 1), self._most + 1):
+            labels, materials = parts(level[known.labels()] + factor, count, known, level)
+            if len(materials) < count:
+                break
+            field = Mosaic.of(known.lines, materials, labels)
+            move = f"cells of {count} materials"
+            found = trials.descend(move, begun, problem, field, u, self._steps, STEPS, begun.fit.window)
+            if found is None:
+                continue
+            if found.fit.misfit > NOT_MADE_OF_FEW * max(least, 1.0):
+                trials.passed_over(found, "leaves far more than a factor in every cell")
+                continue
+            found = self._settled(LawSearch(trials, self._steps, False, self._settled).end(found))
+            if kept is not None:
+                gain = found.gain_over(kept)
+                better, worse = (found, kept) if gain > EVIDENCE else (kept, found)
+                trials.passed_over(worse, f"scores {abs(gain):+.1f} against {better.fit.field.count} materials")
+                if better is kept:
+                    break
+            kept = found
+            if not kept.leaves_more_than_noise:
+                break
+        return kept
+
+    def near(self, kept: Candidate, because: str) -> Candidate | None:
+        """Whole cells of the materials that a candidate has there; None without equilibrium.
+
+        Args:
+            because: what is tried, in words.
+        """
+        before = kept.fit.field
+        # Labels that lines tell cost what these lines cost.
+        code = kept.fit.determined - kept.fit.of_materials + kept.fit.prior + before.places
+        told = before if isinstance(before, Mosaic) else Mosaic.of(before.lines, before.materials, before.labels())
+        field = told if told is before else dataclasses.replace(told, given=told.of_cells, code=code)
+        if len(np.unique(field.of_cells)) < field.count:
+            return None
+        found = self._trials.descend(
+            because, kept, kept.problem, field, kept.u, self._steps, STEPS, kept.fit.window
+        )
+        if found is None or found.fit.misfit > NOT_MADE_OF_FEW * max(kept.fit.misfit, 1.0):
+            return found
+        return self._settled(found)
+
+    def _settled(self, kept: Candidate) -> Candidate:
+        """The same once no cell at a contour would rather be of another material."""
+        for _ in range(ROUNDS):
+            moved = self._moved(kept)
+            if moved is None:
+                break
+            gain, kept = moved.gain_over(kept), moved
+            if gain < EVIDENCE:
+                break
+        return kept
+
+    def _moved(self, kept: Candidate) -> Candidate | None:
+        """The same with other labels at contours; None where none explain more."""
+        trials, window = self._trials, kept.fit.window
+        test = SeenTest(kept.problem, self._steps, window)
+        for field in kept.fit.field.relabelled(test, kept.fit.states):
+            move = f"{int(np.sum(field.of_cells != kept.fit.field.of_cells))} cells of another material"
+            found = trials.descend(move, kept, kept.problem, field, kept.u, self._steps, STEPS, window)
+            if found is None:
+                continue
+            gain = found.gain_over(kept)
+            if gain > 0.0:
+                trials.passed_over(kept, f"scores {gain:+.1f} against moved contours")
+                return found
+            trials.passed_over(found, f"scores {-gain:+.1f} against contours as they were")
+        return None
