@@ -57,9 +57,9 @@ def noisy():
 
 def test_a_descent_is_recorded_and_the_likeliest_of_two_says_why_not_the_other(noisy):
     settings = Constrained(terms=[], iterations=6)
-    plain = descend(field_problem(noisy, settings), settings, "square", None, (), 0.0, "plain")
+    plain = descend(field_problem(noisy, settings), settings, "square", None, 0.0, "plain")
     richer = settings.model_copy(update={"terms": ["I1_squared"]})
-    rich = descend(field_problem(noisy, richer), richer, "square", plain, (), 0.0, "rich")
+    rich = descend(field_problem(noisy, richer), richer, "square", plain, 0.0, "rich")
     kept = likeliest(plain, rich)
     rows = kept.trace.rows(kept.trial)
     assert [row["move"] for row in rows] == ["plain", "rich"]
@@ -69,7 +69,7 @@ def test_a_descent_is_recorded_and_the_likeliest_of_two_says_why_not_the_other(n
 
 def test_the_score_of_a_field_does_not_depend_on_how_its_residuals_are_scaled(noisy):
     settings = Constrained(terms=[], iterations=4)
-    found = descend(field_problem(noisy, settings), settings, "square", None, (), 0.0)
+    found = descend(field_problem(noisy, settings), settings, "square", None, 0.0)
     # The same uncertainty of every point, divided otherwise between what is common and what is relative.
     other = field_problem(noisy, settings)
     boundaries = tuple(
@@ -77,7 +77,7 @@ def test_the_score_of_a_field_does_not_depend_on_how_its_residuals_are_scaled(no
         for each in other.observations.boundaries
     )
     other.observations = replace(other.observations, boundaries=boundaries, sigma=2.0 * other.observations.sigma)
-    again = descend(other, settings, "square", None, (), 0.0)
+    again = descend(other, settings, "square", None, 0.0)
     assert np.isclose(again.score.total, found.score.total, rtol=0.0, atol=1e-3)
 
 

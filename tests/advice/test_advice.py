@@ -156,7 +156,7 @@ def test_the_predicted_ranking_is_that_of_identifications_with_two_tests():
     """Of a uniaxial test along x; what each pair leaves open where it was really identified."""
     data, true = measured(cells=8)
     problem = field_problem(data, SETTINGS)
-    found = descend(problem, SETTINGS, "one", None, (), SETTINGS.tolerance)
+    found = descend(problem, SETTINGS, "one", None, SETTINGS.tolerance)
     kinds = {"equibiaxial": "biaxial", "uniaxial y": "uniaxial_y", "uniaxial_x again": "uniaxial_x"}
     tests = [each for each in candidates(data) if each.name in kinds]
     guesses = [state.u for state in found.states]
@@ -164,7 +164,7 @@ def test_the_predicted_ranking_is_that_of_identifications_with_two_tests():
     left = {}
     for name, kind in kinds.items():
         pair = together(data, measured(kind, cells=8, seed=7)[0])
-        both = descend(field_problem(pair, SETTINGS), SETTINGS, name, None, (), SETTINGS.tolerance)
+        both = descend(field_problem(pair, SETTINGS), SETTINGS, name, None, SETTINGS.tolerance)
         spread = StressSpread(both.objective, both.params, STRETCHES, 8, 0)
         left[name] = spread.variances([both.linear.nearly_curvature]).mean()
     assert [test.name for test in predicted.tests] == sorted(left, key=left.get)

@@ -16,7 +16,7 @@ def test_samples_scatter_by_as_much_more_as_forces_are_missed_by_more_than_chanc
     load = make_load("equibiaxial", [1.1, 1.2, 1.3])
     data, _, _ = sheet(5, square, load, noise=7e-4, terms=("I1_squared",), values=values.items())
     settings = Constrained(terms=list(terms), force_noise=0.005, iterations=15)
-    found = descend(field_problem(data, settings), settings, "square", None, (), settings.tolerance)
+    found = descend(field_problem(data, settings), settings, "square", None, settings.tolerance)
     factor = 1.0 if own else found.misfits["force"]
     assert (found.misfits["force"] < 1.5) == own
     as_told = found.objective.posterior_samples(found.linear, found.params, 2, 1, found.step.deflation)

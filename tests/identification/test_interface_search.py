@@ -111,9 +111,8 @@ def test_three_materials_have_lines_of_their_own():
     assert soft / sheet == pytest.approx(0.5, rel=0.05)
 
 
-def test_nothing_is_sought_where_no_line_can_cut_a_cell():
+def test_few_materials_are_sought_only_where_they_are_asked_for():
     data, _ = observed(disc)
-    assert of_parts(data.assign_attrs(mesh="measured_grid"), SETTINGS, "sheet", STRATEGY) is None
     assert of_parts(data, SETTINGS.model_copy(update={"layers": False}), "sheet", STRATEGY) is None
 
 

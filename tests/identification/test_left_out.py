@@ -16,7 +16,7 @@ SETTINGS = Constrained(terms=[], iterations=12, force_noise=0.003)
 
 
 def identified(data, settings=SETTINGS):
-    return descend(field_problem(data, settings), settings, "square", None, (), settings.tolerance)
+    return descend(field_problem(data, settings), settings, "square", None, settings.tolerance)
 
 
 def test_the_largest_step_of_every_load_case_that_has_several_is_left_out():

@@ -21,7 +21,7 @@ LOAD = make_load("equibiaxial", [1.05, 1.1])
 @pytest.fixture(scope="module")
 def found():
     data, _, _ = sheet(12, square, LOAD, noise=NOISE, terms=())
-    return descend(field_problem(data, SETTINGS), SETTINGS, "square", None, (), 0.0)
+    return descend(field_problem(data, SETTINGS), SETTINGS, "square", None, 0.0)
 
 
 def missed_by(found, error):
@@ -61,4 +61,4 @@ def test_a_place_that_is_missed_is_found_where_it_is_although_the_mean_hides_it(
 
 def test_without_noise_no_place_is_judged():
     data, _, _ = sheet(5, square, LOAD, terms=())
-    assert local_misfit(descend(field_problem(data, SETTINGS), SETTINGS, "square", None, (), 0.0)) is None
+    assert local_misfit(descend(field_problem(data, SETTINGS), SETTINGS, "square", None, 0.0)) is None

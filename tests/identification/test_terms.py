@@ -9,7 +9,7 @@ from hypernode.identification.strategy import identify
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
-SETTINGS = Constrained(terms=["I1_squared", "fibre"], isotropic_terms=["I1_squared"], iterations=8)
+SETTINGS = Constrained(terms=["I1_squared", "fibre"], isotropic_terms=["I1_squared"], iterations=20)
 
 
 @pytest.fixture

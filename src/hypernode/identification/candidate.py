@@ -52,7 +52,7 @@ class Candidate:
     def leaves_more_than_noise(self) -> bool:
         """Whether displacements leave more than their noise by chance."""
         known = self.problem.observations.noise_uncertainty
-        return self.level > 1.0 + BY_CHANCE * float(np.hypot(known, (2.0 * self.fit.left.independent) ** -0.5))
+        return self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5)
 
     @property
     def leaves_mostly_no_noise(self) -> bool:

@@ -12,7 +12,6 @@ import scipy.sparse
 from jaxtyping import Bool, Float, Int
 
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.few_materials import Phases
 
 
 @dataclass(frozen=True)
@@ -41,12 +40,12 @@ def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options
     return Options(cell, label, np.stack([near.row, near.col], axis=1))
 
 
-def changes_of_field(phases: Phases, options: Options) -> scipy.sparse.csc_matrix:
-    """What every option changes of the flattened parameters of the field (parameter, option)."""
-    change = phases.materials[options.label] - phases.materials[phases.labels[options.cell]]
-    rows = (options.cell[:, None] * change.shape[1] + np.arange(change.shape[1])).ravel()
-    columns = np.repeat(np.arange(len(change)), change.shape[1])
-    return scipy.sparse.csc_matrix((change.ravel(), (rows, columns)), (phases.params.size, len(change)))
+def at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
+    """Cells that touch another phase, at a side or a corner."""
+    pairs = mesh.touching()
+    found = np.zeros(len(labels), dtype=bool)
+    found[pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]] = True
+    return found
 
 
 @dataclass(frozen=True)
@@ -65,16 +64,6 @@ class ContourModel:
     curvature: Float[np.ndarray, "option option"]
     lengths: scipy.sparse.csr_matrix
     between: Float[np.ndarray, "phase phase"]
-
-
-def doubtful(labels: Int[np.ndarray, " cell"], model: ContourModel, most: float) -> Int[np.ndarray, " chosen"]:
-    """Options that would raise the cost by less than ``most`` each, the one that would least first."""
-    options, each = model.options, np.arange(len(model.options.cell))
-    around = model.lengths[options.cell] @ model.between[labels]
-    jumps = around[each, options.label] - around[each, labels[options.cell]]
-    change = model.gradient + 0.5 * np.diag(model.curvature) + jumps
-    order = np.argsort(change, kind="stable")
-    return order[change[order] < most]
 
 
 def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel, gain: float) -> Int[np.ndarray, " cell"]:

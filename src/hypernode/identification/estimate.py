@@ -5,9 +5,8 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from hypernode.identification.few_materials import MaterialEquations, Phases
 from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score import score_of
@@ -30,7 +29,6 @@ class Estimate:
         cost: the whole objective, minus the logarithm of how probable the field is after the test.
         ending: how the descent ended.
         step: the last Gauss-Newton step that was tried, or None where none was.
-        phases: the few materials that the field is made of, where it is, and which of them every cell has.
         trial: the record of this candidate, None until it is complete.
         trace: all candidates that were tried on the way here.
     """
@@ -43,7 +41,6 @@ class Estimate:
     cost: float
     ending: Ending
     step: Step | None
-    phases: Phases | None = None
     trial: Trial | None = None
     trace: Trace = dataclasses.field(default_factory=Trace)
 
@@ -60,12 +57,7 @@ class Estimate:
     @property
     def material_count(self) -> int:
         """Of how many materials the field is made; none are counted where every cell has its own."""
-        return 0 if self.phases is None else len(self.phases.materials)
-
-    @property
-    def labels(self) -> Int[np.ndarray, " cell"]:
-        """The material of every cell, where there are few."""
-        return self.phases.labels
+        return 0
 
     @property
     def layered(self) -> bool:
@@ -125,26 +117,18 @@ class Estimate:
 
     @functools.cached_property
     def effective_parameters(self) -> float:
-        """How many numbers of the field noisy displacements determine; none are counted without noise.
-
-        Of phases, all that their materials have; contours pay by their length.
-        """
+        """How many numbers of the field noisy displacements determine; none are counted without noise."""
         if self.linear is None or not self.problem.noisy:
             return 0.0
-        if self.phases is not None:
-            return float(self.phases.materials.size)
         return self.objective.effective_parameters(self.linear, self.params, self.step and self.step.deflation)
 
-    def answers(self, curvature: Callable) -> NormalEquations | MaterialEquations:
-        """How the field answers to loads, by its cells or by the materials of its phases.
+    def answers(self, curvature: Callable) -> NormalEquations:
+        """How the cells answer to loads.
 
         Args:
-            curvature: x -> J^T J x of the data that hold it.
+            curvature: x -> J^T J x of the data that hold them.
         """
-        if self.phases is None:
-            return self.objective.precision(curvature, self.params, self.step and self.step.deflation)
-        # A coefficient that is none, and would be less, answers to nothing.
-        return MaterialEquations(curvature, self.phases, self.objective.ridge, self.basis.lowest)
+        return self.objective.precision(curvature, self.params, self.step and self.step.deflation)
 
     @property
     def information_criterion(self) -> float:
@@ -212,23 +196,9 @@ class Estimate:
         return float(self.history[-1] - 1.0) / float(np.hypot(by_chance, self.problem.observations.noise_uncertainty))
 
     @property
-    def ambiguous(self) -> bool:
-        """Whether the test is not explained, or leaves more of noisy displacements than their noise does by chance."""
-        return self.unexplained > 1.0 or self.excess > self.problem.strategy.by_chance
-
-    @property
     def overfitted(self) -> bool:
         """Whether less of noisy displacements is left than their noise ever leaves: noise is explained as well."""
         return self.excess < -self.problem.strategy.never_so_little
-
-    @property
-    def complete(self) -> bool:
-        """Whether other terms have nothing to add.
-
-        Not where noise or cut cells may hide what it is.
-        """
-        hidden = self.problem.noisy or self.problem.blurred
-        return not hidden and self.unexplained <= 1.0 and self.data_share < self.problem.strategy.nothing_left
 
     @property
     def underfitted(self) -> bool:
@@ -237,13 +207,9 @@ class Estimate:
         much = self.excess > strategy.never_by_chance if self.problem.noisy else self.data_share > strategy.much_left
         return self.unexplained > 1.0 or much
 
-    def at(self, params) -> "Estimate | None":
-        """The same test with other parameters, or None where they have no equilibrium within reach."""
-        states = self.problem.equilibrium.states(params, [state.u for state in self.states])
-        if states is None:
-            return None
-        cost = self.objective.value(params, states, self.problem.sigma, self.linear)
-        return dataclasses.replace(self, params=params, states=states, cost=cost, ending=Ending.UNFINISHED, phases=None)
+    def without_sensitivities(self) -> "Estimate":
+        """The same without what takes most of its memory."""
+        return dataclasses.replace(self, linear=None, step=None)
 
     def after(self, *earlier: "Estimate") -> "Estimate":
         """The same with the history of the descents that led to its start before its own."""

@@ -1,42 +1,39 @@
-"""The field of a grid of many cells, which begins from that of every second of its lines."""
+"""Materials and lines that a coarser grid told, on the grid that was measured."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+import dataclasses
 
-from hypernode.config.methods import Constrained
-from hypernode.identification.certain_phases import of_certain_phases
-from hypernode.identification.estimate import Estimate
-from hypernode.identification.gauss_newton import descend
-from hypernode.identification.phases import on_finer_grid
-from hypernode.verdict import Ending
+import numpy as np
+
+from hypernode.fem.transfer import transfer
+from hypernode.identification.candidate import Candidate
+from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.trials import Trials
+
+#: Steps of a descent at most, and sides of a coarse cell in those of a measured one.
+STEPS, SIDES = 15, 2.0
 
 
-def from_coarser_grid(
-    problem_of: Callable, first: Sequence[str], settings: Constrained, coarse: Estimate, name: str
-) -> tuple[Estimate, bool]:
-    """The field of a finer grid that begins from a coarser one's, and whether it is of phases, which are kept.
+def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_window: bool) -> Candidate | None:
+    """The candidate of a coarser grid, descended from there; None without equilibrium.
 
-    Phases are where they explain the test with all terms that there are, or leave others nothing to explain.
+    Points of lines stay as far apart as on the coarser grid.
 
     Args:
-        problem_of: terms -> the problem of the finer grid.
-        first: the plainest terms.
-        settings: configuration of the stage.
-        coarse: the field of the coarser grid.
-        name: case, for progress.
+        trials: on the measured grid; those of the coarser one join them.
+        steps: load steps that count.
+        finds_window: whether the side of the window is sought.
     """
-    problem = problem_of(*coarse.problem.basis.terms)
-    finer = on_finer_grid(problem, settings, coarse, name)
-    if finer is not None:
-        return finer, True
-    near = problem.certain and of_certain_phases(problem, problem_of(*first), settings, coarse, name)
-    if not near:
-        return descend(problem, settings, name, coarse, (), settings.tolerance, "finer grid").after(coarse), False
-    every = near.ending is Ending.CONVERGED and set(settings.terms) <= set(problem.basis.terms)
-    if near.complete or (every and not near.ambiguous):
-        return near, True
-    loose = replace(problem.strategy, cg_tolerance=problem.strategy.cg_tolerance_of_phases)
-    near = replace(near, linear=None, phases=None)
-    return descend(
-        problem.with_strategy(loose), settings, name, near, (), settings.tolerance, "cells from phases"
-    ).after(near), False
+    problem, before = trials.problem(coarse.terms), coarse.fit.field
+    grid, of_grid = problem.observations.grid, coarse.problem.observations.grid
+    lines = Lines.of(grid, problem.refinement)
+    to_grid, to_mesh = transfer(of_grid, grid), transfer(coarse.problem.mesh, problem.mesh)
+    distances = np.array([SIDES * (to_grid.nodes @ row) for row in before.distances])
+    distances = distances.reshape(len(before.distances), len(grid.nodes))
+    field = Interfaces(dataclasses.replace(lines, apart=SIDES * before.lines.apart), before.materials, distances)
+    if before.lines.splines is not None:
+        field = field.changing(before.grid_factor()[to_grid.cells], before.lines.splines.bend)
+    u = {step: to_mesh.nodes @ each for step, each in coarse.u.items()}
+    window = SIDES * coarse.fit.window if finds_window else None
+    return trials.descend(
+        "on the measured grid", coarse, problem, field, u, steps, STEPS, window, finds_window, settled=False
+    )

@@ -9,7 +9,6 @@ from hypernode.errors import ExpectedError
 from hypernode.fem.transfer import transfer
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
-from hypernode.identification.plateau import Plateau
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, RIGID
@@ -74,7 +73,6 @@ def descend(
     settings: Constrained,
     name: str,
     before: Estimate | None,
-    plateaus: tuple[Plateau, ...],
     tolerance: float,
     move: str = "the terms from the homogeneous sheet",
 ) -> Estimate:
@@ -88,7 +86,6 @@ def descend(
         name: case, for progress and messages.
         before: what a descent found with these terms or fewer, on this mesh or on a coarser one, to begin from; the
             homogeneous sheet without it.
-        plateaus: where it ends early, if other terms may follow.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
         move: what is tried, in words, for the record.
@@ -101,7 +98,7 @@ def descend(
     states = problem.equilibrium.states(params, guesses)
     if states is None and before is not None:
         # Equilibrium under other terms may be out of reach of Newton's method from there.
-        return descend(problem, settings, name, None, plateaus, tolerance, move)
+        return descend(problem, settings, name, None, tolerance, move)
     if states is None:
         raise IdentificationError(
             f"constrained field of {name}: no equilibrium for the homogeneous material; are the prescribed edges "
@@ -109,10 +106,9 @@ def descend(
         )
     # What was found before has its jumps already: nothing is gained by making them cost more again. On a finer grid
     # they are near their places only, and jumps that cost their size find these.
-    jumps = before is not None and (problem.divided or len(before.params) == len(params))
+    jumps = before is not None and len(before.params) == len(params)
     objective = _objective(problem, settings, centre, settings.jump_scale if jumps else None)
-    # There is nothing to sharpen yet where other terms follow for certain.
-    final = _last_cost(problem, settings, sharpen=problem.sharp and tolerance <= settings.tolerance)
+    final = _last_cost(problem, settings, sharpen=problem.sharp)
     stage = f"constrained field ({described(problem)})"
     progress = Progress(stage, name, settings.iterations)
     damping, history, linear, step = strategy.first_damping, [objective.misfit(states, None)], None, None
@@ -145,10 +141,6 @@ def descend(
             settled = close and jump_cost.isotropic and cost - after < tolerance * problem.cost_of_noise
             if settled and jump_cost.smallest == final.smallest:
                 ending = Ending.CONVERGED
-                break
-            share = objective.misfits(states, sigma, linear) / after
-            if any(plateau.reached(history, share, strategy.convex_iterations) for plateau in plateaus):
-                ending = Ending.STAGNATED
                 break
             jump_cost = dataclasses.replace(jump_cost, smallest=final.smallest if settled else jump_cost.smallest)
         jump_cost = dataclasses.replace(jump_cost, isotropic=jump_cost.isotropic or bool(close))

@@ -22,7 +22,7 @@ from hypernode.identification.window_error import changed_by_window, told_errors
 from hypernode.trace import Trial
 
 #: Steps of the last descent, which begins where the search ended.
-STEPS = 12
+STEPS = 20
 #: Ratio of what is left to the believed noise, or the other way round, beyond which that is told anew.
 NOISE_KNOWN = 1.1
 
@@ -58,6 +58,8 @@ def _near(kept: Candidate, step: int) -> np.ndarray:
 
 def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     """What finite elements miss, once the trials believe the noise and the window that are left."""
+    if not final.problem.observations.by_points:
+        return 0.0
     left, observations, sigma = final.fit.left, final.problem.observations, final.problem.sigma
     step, measurement, steps = SeenTest(final.problem, []).step, trials.measurement, final.fit.steps
     side, kernel = correlation_window(measurement)

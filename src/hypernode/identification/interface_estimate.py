@@ -9,12 +9,35 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.identification.estimate import Estimate
-from hypernode.identification.few_materials import ReducedEquations
 from hypernode.identification.interface_noise import Left
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.points import Points
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.trace import Score
+
+
+class ReducedEquations:
+    """C^T (J^T J) C y + held y = C^T b for the numbers y that decide a field by columns C.
+
+    Attributes:
+        columns: C.
+        by_cells: J^T J C (cell x parameter, number).
+        matrix: C^T J^T J C + held.
+
+    Args:
+        curvature: x -> J^T J x.
+        columns: derivative of the flattened field by the numbers, sparse.
+        held: inverse covariance of the numbers without data, sparse.
+    """
+
+    def __init__(self, curvature: Callable, columns, held):
+        self.columns = columns
+        self.by_cells = curvature(columns.toarray())
+        self.matrix = columns.T @ self.by_cells + held.toarray()
+
+    def solve_columns(self, b, rtol: float, iterations: int):
+        """How the field answers to the columns of ``b`` (cell x parameter, k); neither bound is needed, it is exact."""
+        return self.columns @ np.linalg.solve(self.matrix, self.columns.T @ b)
 
 
 @dataclasses.dataclass(frozen=True)

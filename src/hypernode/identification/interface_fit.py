@@ -191,14 +191,13 @@ class InterfaceFit:
         prior = (every := InterfaceFit(test)._numbers(field)).prior(every.y)
         of_u = test.of_displacements(white)
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
-        grid, observed = test.problem.observations.grid, [boundary.observed for boundary in test.boundaries]
-        determined, of_materials = self._determined(numbers, model, shared, left_of(grid, observed, of_u, 0.0))
+        determined, of_materials = self._determined(numbers, model, shared, self._left(of_u, 0.0))
         return Fit(
             field,
             test.steps,
             states,
             white,
-            left_of(grid, observed, of_u, determined),
+            self._left(of_u, determined),
             _mean(np.concatenate(of_u)),
             _mean(of_f),
             total - sum(float(u @ u) for u in of_u),
@@ -211,6 +210,12 @@ class InterfaceFit:
             ending,
             history,
         )
+
+    def _left(self, of_u, determined: float) -> Left:
+        """What residuals of displacements leave; of grey levels they share nothing."""
+        observations = self.test.problem.observations
+        observed = [boundary.observed for boundary in self.test.boundaries]
+        return left_of(observations.grid if observations.by_points else None, observed, of_u, determined)
 
     def _determined(self, numbers: Numbers, model: Derivatives, shared, left: Left):
         """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""

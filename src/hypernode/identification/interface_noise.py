@@ -46,21 +46,24 @@ class Left:
         return self.count / self.inflation
 
 
-def left_of(grid: Mesh, observed, white, determined: float) -> Left:
+def left_of(grid: Mesh | None, observed, white, determined: float) -> Left:
     """How the residuals of displacements are shared.
 
     Args:
-        grid: measured grid.
+        grid: measured grid; None where no points were observed, whose neighbours might share errors.
         observed: numbers of the observed degrees of freedom, by step.
         white: their residuals over the noise, free of what edges share, by step.
         determined: how many numbers were fitted.
     """
+    count = sum(len(values) for values in white)
+    if grid is None:
+        square = float(np.mean(np.concatenate(white) ** 2))
+        return Left(np.sqrt(square / max(1.0 - determined / max(count, 1), 0.1)), 1.0, 0.0, count, len(white))
     place, shape = grid.places, (len(grid.lines[1]), len(grid.lines[0]))
     maps = np.full((len(white), 2, shape[0] * shape[1]), np.nan)
     for k, (dofs, values) in enumerate(zip(observed, white, strict=True)):
         maps[k, dofs % 2, place[dofs // 2]] = values
     maps = maps.reshape(len(white), 2, *shape)
-    count = sum(len(values) for values in white)
     square = float(np.nanmean(maps**2))
     along = [_correlations(maps, axis) for axis in (2, 3)]
     # Of a separable correlation, a mean over the plane is worth the product of those over lines.

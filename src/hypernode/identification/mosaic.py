@@ -13,8 +13,7 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Cut, Cuts, layers_of
-from hypernode.identification.contours import ContourModel, Options, options_at_contours, relabelled
-from hypernode.identification.few_materials import at_contours
+from hypernode.identification.contours import ContourModel, Options, at_contours, options_at_contours, relabelled
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials, CellResponse
@@ -128,7 +127,10 @@ class Mosaic(Interfaces):
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
         across = curvature[:count, count:]
-        gradient, curvature = gradient[:count] - across @ follow[:, -1], curvature[:count, :count] - across @ follow[:, :-1]
+        gradient, curvature = (
+            gradient[:count] - across @ follow[:, -1],
+            curvature[:count, :count] - across @ follow[:, :-1],
+        )
         sides = _sides(self.lines.grid.mesh)
         if self.given is not None:
             sides, given = 0.0 * sides, self.given[options.cell]

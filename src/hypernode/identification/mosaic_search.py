@@ -76,9 +76,7 @@ class MosaicSearch:
         field = told if told is before else dataclasses.replace(told, given=told.of_cells, code=code)
         if len(np.unique(field.of_cells)) < field.count:
             return None
-        found = self._trials.descend(
-            because, kept, kept.problem, field, kept.u, self._steps, STEPS, kept.fit.window
-        )
+        found = self._trials.descend(because, kept, kept.problem, field, kept.u, self._steps, STEPS, kept.fit.window)
         if found is None or found.fit.misfit > NOT_MADE_OF_FEW * max(kept.fit.misfit, 1.0):
             return found
         return self._settled(found)

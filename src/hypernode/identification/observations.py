@@ -45,7 +45,6 @@ class Observations:
         scatter: expected root mean square of u's errors over sigma. It is 1 where errors are independent, and less
             where points or steps share them, since each is then weighed as a larger one.
         noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
-        contested: whether it rules though it is the smaller of the two.
         noise_uncertainty: relative uncertainty of that noise.
         believed_noise: which noise of the measurement it is.
         by_points: whether displacements of points were observed, and not grey levels of pictures.
@@ -66,7 +65,6 @@ class Observations:
     sigma: float
     scatter: float
     noisy: bool
-    contested: bool
     noise_uncertainty: float
     believed_noise: BelievedNoise
     by_points: bool
@@ -132,7 +130,8 @@ def observe(
     sigma = float(np.hypot(noise, beside))
     error, weighed = window_errors(measurement, grid, u, not believed_noise.shared_by_none)
     if at_lines:
-        error, weighed, beside = *with_errors_of_elements(error, weighed, grid, u, beside), 0.0
+        error, weighed = with_errors_of_elements(error, weighed, grid, u, beside)
+        beside = strategy.same_grid_floor * np.abs(u).max()
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
@@ -149,7 +148,6 @@ def observe(
         sigma,
         scatter,
         noisy,
-        noisy and noise < floor,
         noise_uncertainty(measurement),
         believed_noise,
         information is None,

@@ -72,11 +72,6 @@ class FieldProblem:
         return self.refinement.mesh
 
     @property
-    def divided(self) -> bool:
-        """Whether measured cells have more than one subcell."""
-        return self.refinement.subcells.shape[1] > 1
-
-    @property
     def sigma(self) -> float:
         """Standard deviation of the displacements."""
         return self.observations.sigma
@@ -142,12 +137,6 @@ class FieldProblem:
         other.equilibrium = self.equilibrium.under_boundaries(other.observations.boundaries)
         other.forces = [replace(force, step=place[force.step]) for force in self.forces if force.step in place]
         other._shares = other._shares_of_steps()
-        return other
-
-    def with_strategy(self, strategy: Strategy) -> "FieldProblem":
-        """The same with other constants of its descents."""
-        other = copy.copy(self)
-        other.strategy = strategy
         return other
 
     def stiffness(self, params: Float[np.ndarray, "cell parameter"]):

@@ -67,6 +67,8 @@ class SeenTest:
 
     def _through(self, window: float):
         observations = self.problem.observations
+        if not observations.by_points:
+            return [b.observe for b in self.boundaries]
         seen = seen_points(observations.refinement, window * self.step, observations.kernel)
         return [scipy.sparse.diags(1.0 / b.relative) @ seen[b.observed] for b in self.boundaries]
 

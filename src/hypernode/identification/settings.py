@@ -6,22 +6,6 @@ What is here follows from the mathematics, from finite-element errors, or from w
 
 from dataclasses import dataclass, field
 
-from hypernode.identification.plateau import Plateau
-
-
-@dataclass(frozen=True)
-class Perturbation:
-    """What jumps cost for a few iterations, so that a descent leaves one of the many minima that noise makes.
-
-    Attributes:
-        weight, scale: factors of the regulariser's weight and of the size above which jumps stop costing more.
-        iterations: how long.
-    """
-
-    weight: float
-    scale: float
-    iterations: int
-
 
 @dataclass(frozen=True)
 class Strategy:
@@ -34,13 +18,6 @@ class Strategy:
     #: Of fields on a grid of their own, times the number of cells along a side.
     cut_cells_floor: float = 0.065
     subcells_floor: float = 0.01
-    #: Share of the believed noise of displacements below which what a field leaves refutes it, and of what frames tell
-    #: below which theirs refutes a stated one: estimates of both are right to a fifth.
-    noise_refuted: float = 0.5
-    #: Share of the noise that frames tell, above which what a field leaves of the displacements confirms it.
-    frames_confirmed: float = 0.8
-    #: Largest share of noisy displacements that a field is taken to have fitted: more is not counted well.
-    most_taken_away: float = 0.9
     #: Misfit of the forces of one load case by the closest homogeneous material beyond which no sheet can have given
     #: them. Ogden, Gent and Fung sheets are missed by 7 % at most, heterogeneous ones by 3 %; a record that is
     #: constant by a quarter, one that is reversed, in another order or tenfold from a step on by more than a third.
@@ -96,8 +73,6 @@ class Strategy:
     #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. On
     #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
     cg_tolerance: tuple[float, float] = (0.001, 0.003)
-    #: The same of a descent that begins where every cell has found its phase: it has no valley to cross.
-    cg_tolerance_of_phases: tuple[float, float] = (0.03, 0.03)
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
     curvature_probes: int = 2
@@ -130,56 +105,13 @@ class Strategy:
     #: Share of the cost below which misfits leave nothing to explain: of neo-Hookean sheets it is a few thousandths.
     nothing_left: float = 0.02
 
-    # Order of the terms.
-    #: The term that joins once further ones are known: with all at once the valleys are longest.
-    last_term: str = "stiffening"
-    #: Before more terms follow, the stiffness is good enough there, or once its cost has fallen by less than this share
-    #: of the cost of noise in one iteration.
-    stiffness_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3),)
-    stiffness_tolerance: float = 3e-3
-
-    #: Without fibres a descent ends where it no longer comes closer quickly, as it does not where there are fibres.
-    isotropic_plateaus: tuple[Plateau, ...] = (Plateau(0.2, 3, above=2.0),)
-
-    #: Other minima.
-    perturbations: tuple[Perturbation, ...] = (Perturbation(0.2, 1.0, 6), Perturbation(1.0, 10.0, 4))
-
-    #: Phases of one material each: how many are tried at most.
-    most_phases: int = 4
-    #: Rounds of materials and contours after which a field of phases is left as it is, and steps of the materials.
-    phase_rounds: int = 10
-    phase_steps: int = 12
-    #: What a step of the materials must gain, and moved contours: a twentieth of what chance changes a cost by.
-    phase_gain: float = 0.05
-    #: What the model of the misfit is wrong by for a single cell: up to which cost cells are doubtful, and how many of
-    #: these are tried. Of ten noisy X one kept a wrong cell, whose change should have cost 4.4 and gains 0.8.
-    phase_doubt: float = 5.0
-    phase_trials: int = 20
-    #: Foreseen loss beyond which such a cell is not tried: of noisy X, losses and gains were wrong by up to 3.2.
-    phase_foresight: float = 3.0
-    #: Share of what is left above noise that contours must explain in a round while the test is not explained. Those of
-    #: a coarser grid explain most of it, those of a stiffness that changes gradually a tenth.
-    phase_share: float = 0.25
-    #: Levenberg and Marquardt: shares of the curvature that are added until a step lowers the cost; factors of a share
-    #: that is remembered, where a step gained most of what it should, little of that, and nothing.
-    phase_damping: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
-    material_damping: tuple[float, float, float] = (0.1, 4.0, 10.0)
-    #: Columns of the Jacobian at a time, for memory.
-    columns_at_once: int = 128
+    #: Levenberg and Marquardt: shares of the curvature that are added until a step lowers the cost.
+    damping_shares: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
 
     #: A grid of more cells begins from the field of every second of its lines: so many take a minute, and show where
     #: interfaces are. On finer grids a length of interface costs what it does here.
     most_cells_at_once: int = 3600
 
-    # Subcells: a side of a cell, how many a sheet has at most, for memory, iterations, misfits of rivals over the best.
-    subcells: int = 2
-    most_subcells: int = 16000
-    subcells_iterations: int = 24
-    rival_misfit: float = 1.5
-    #: Misfit over the error of the description below which that error was assumed too large. It is then taken from the
-    #: misfit, once, but no smaller than by this factor: what seems better still is fitted by single subcells.
-    overestimated: float = 0.7
-    smallest_reestimate: float = 0.25
     #: Noise rules from this share of the assumed error of the description on; from all of it where nothing explains.
     noise_rules: float = 0.25
 
@@ -207,14 +139,6 @@ class Strategy:
         On finer grids it costs what it does on the finest that is not begun from a coarser one.
         """
         return float((areas.sum() / min(len(areas), self.most_cells_at_once)) ** 0.5)
-
-    @property
-    def further_plateaus(self) -> tuple[Plateau, Plateau]:
-        """Where further terms may follow, a test that is not explained waits for them there, or where it is stuck."""
-        return (
-            Plateau(0.1, 5, above=self.unexplained),
-            Plateau(0.02, 5, above=self.explained, left=self.much_left),
-        )
 
 
 STRATEGY = Strategy()

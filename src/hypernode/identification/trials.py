@@ -109,6 +109,11 @@ class Trials:
         self._tried.append(found)
         return found
 
+    def after(self, earlier: "Trials") -> None:
+        """Go on with what was tried on a coarser grid."""
+        self._tried = [*earlier._tried, *self._tried]
+        self._reasons = earlier._reasons | self._reasons
+
     def passed_over(self, candidate: Candidate, reason: str) -> None:
         """Why a candidate is not the answer."""
         self._reasons[candidate] = reason

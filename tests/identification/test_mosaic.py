@@ -1,0 +1,90 @@
+"""A sheet whose cells are each of one material: which cells, which law, and with no statement of whose mesh it is."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from hypernode.config.methods import Constrained
+from hypernode.identification.interface_search import of_parts
+from hypernode.identification.interfaces import Lines
+from hypernode.identification.mosaic import Mosaic
+from hypernode.identification.problem import field_problem
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.settings import STRATEGY
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.loads import make_load
+from tests.sheets import SCALE, sheet, square
+
+SETTINGS = Constrained(terms=["I1_squared"], layers=True)
+LOAD = make_load("equibiaxial", [1.1, 1.2])
+
+
+def stress_error(found, true):
+    """Of the stress of all cells at an equibiaxial stretch of 1.2."""
+    F = np.diag([1.2, 1.2])[:, :, None]
+    P = found.basis.stress(F, found.by_parts[:, 0])
+    wanted = ConvexBasis((), SCALE).stress(F, true.T)
+    return np.linalg.norm(P - wanted) / np.linalg.norm(wanted)
+
+
+@pytest.mark.parametrize("mesh", ["measured_grid", "finer"])
+def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh):
+    data, grid, true = sheet(12, square, LOAD, terms=())
+    found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square", STRATEGY)
+    inside = square(grid.centres)
+    assert found.material_count == 2 and not found.layered
+    assert np.array_equal(found.labels == found.labels[inside][0], inside)
+    assert stress_error(found, true) < 1e-3
+
+
+def test_noise_that_a_stranger_may_have_moves_no_cell():
+    data, grid, true = sheet(12, square, LOAD, noise=5e-4, terms=())
+    found = of_parts(data, SETTINGS, "square", STRATEGY)
+    inside = square(grid.centres)
+    assert found.material_count == 2
+    assert np.array_equal(found.labels == found.labels[inside][0], inside)
+    assert stress_error(found, true) < 0.02
+
+
+def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same():
+    data, grid, true = sheet(16, square, LOAD, terms=())
+    strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
+    found = of_parts(data, SETTINGS, "square", strategy)
+    inside = square(grid.centres)
+    assert np.array_equal(found.labels == found.labels[inside][0], inside)
+    assert stress_error(found, true) < 1e-3
+    assert "on the measured grid" in [row["move"] for row in found.trace.rows(found.trial)]
+
+
+def test_cells_that_were_given_the_wrong_material_change_it_at_once():
+    data, grid, _ = sheet(12, square, LOAD)
+    problem = field_problem(data, Constrained(terms=[]))
+    inside = square(grid.centres)
+    wrong = inside.copy()
+    # Two cells of each side of the contour, far apart.
+    edge = np.flatnonzero(inside)[[0, -1]]
+    outside = np.flatnonzero(~inside & (np.abs(grid.centres - 0.5).max(axis=1) < 0.5))
+    beside = outside[np.argsort(np.abs(grid.centres[outside] - grid.centres[edge[0]]).sum(axis=1))[:1]]
+    wrong[edge], wrong[beside] = False, True
+    lines = Lines.of(problem.observations.grid, problem.refinement)
+    level = problem.homogeneous.params[0]
+    field = Mosaic.of(lines, np.array([[level - 0.2], [level - 0.2 + np.log(2.0)]]), wrong.astype(int))
+    test = SeenTest(problem, [0, 1])
+    guesses = problem.equilibrium.extension(np.tile(problem.homogeneous.params, (len(wrong), 1)))
+    moved = field.relabelled(test, test.states(field, guesses))
+    assert np.array_equal(moved[0].of_cells, inside)
+
+
+def test_labels_that_lines_told_cost_as_much_as_these_and_every_other_label_more():
+    data, grid, _ = sheet(8, square, LOAD)
+    problem = field_problem(data, Constrained(terms=[]))
+    lines, labels = Lines.of(problem.observations.grid, problem.refinement), square(grid.centres).astype(int)
+    alone = Mosaic.of(lines, np.zeros((2, 1)), labels)
+    told = dataclasses.replace(alone, given=labels, code=7.0)
+    other = labels.copy()
+    other[np.flatnonzero(labels)[0]] = 0
+    changed = dataclasses.replace(told, of_cells=other)
+    assert told.places == 7.0 < changed.places
+    longer = dataclasses.replace(alone, of_cells=np.where(np.arange(len(labels)) == 0, 1, labels))
+    assert longer.places - alone.places == pytest.approx(2.0 * np.log(2.0))
