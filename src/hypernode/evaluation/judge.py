@@ -28,7 +28,14 @@ from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
 from hypernode.evaluation.spread import Samples, score_spread, spread_of_cut_cells
-from hypernode.evaluation.truth import cell_means, observed_mode, score_networks, score_stress
+from hypernode.evaluation.truth import (
+    cell_means,
+    cut_by_lines,
+    means_where_cut,
+    observed_mode,
+    score_networks,
+    score_stress,
+)
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.material.files import material_of, nearest_cell
 from hypernode.mechanics.modes import mode_gradients
@@ -146,7 +153,10 @@ def _at_common_F(files, found, true, kind, F):
     judged |= score_stress(mesh, P, P_true, phase, len(json.loads(truth.attrs["phases"])), observed)
     means = cell_means(truth, true, mesh, F[observed : observed + 1])
     if means is not None:
-        judged |= Judgement(summary={"stress_error_cell_mean": relative_error(P[observed], means[0], mesh.areas)})
+        own = P[observed : observed + 1]
+        if "constrained" in files:
+            own = means_where_cut(found, mesh, cut_by_lines(files["constrained"]), own, F[observed : observed + 1])
+        judged |= Judgement(summary={"stress_error_cell_mean": relative_error(own[0], means[0], mesh.areas)})
     if "constrained" in files:
         error = relative_error(P_field, P_true[observed], mesh.areas)
         judged |= Judgement(summary={"stress_error_constrained": error})

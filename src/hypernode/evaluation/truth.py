@@ -47,17 +47,46 @@ def cell_means(
     sheet = mesh_of(truth)
     if len(sheet.cells) == len(mesh.cells) and np.allclose(sheet.centres, mesh.centres):
         return None
-    places = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    low, high = mesh.nodes[mesh.cells[:, 0]], mesh.nodes[mesh.cells[:, 2]]
-    share = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
-    sampled = nearest_cell(truth)(low + share * (high - low))
+    cells = np.arange(len(mesh.cells))
+    sampled = nearest_cell(truth)(points_of_cells(mesh, cells))
     average = scipy.sparse.csr_matrix(
-        (np.full(sampled.size, 1.0 / len(share)), (np.tile(np.arange(len(low)), len(share)), sampled.ravel())),
-        (len(low), len(sheet.cells)),
+        (np.full(sampled.size, 1.0 / len(sampled)), (np.tile(cells, len(sampled)), sampled.ravel())),
+        (len(cells), len(sheet.cells)),
     )
     P = stress_at_common_F(true, sheet.centres, F)
     means = average @ np.moveaxis(P, -3, 0).reshape(len(sheet.cells), -1)
-    return np.moveaxis(means.reshape(len(low), *P.shape[:2], 2, 2), 0, -3)
+    return np.moveaxis(means.reshape(len(cells), *P.shape[:2], 2, 2), 0, -3)
+
+
+def points_of_cells(mesh: Mesh, cells: Int[np.ndarray, " cell"]) -> Float[np.ndarray, "sample cell 2"]:
+    """Points at which each of some cells is sampled."""
+    places = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    low, high = mesh.nodes[mesh.cells[cells, 0]], mesh.nodes[mesh.cells[cells, 2]]
+    return low + np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2) * (high - low)
+
+
+def means_where_cut(found: Material, mesh: Mesh, cut: Bool[np.ndarray, " cell"], P, F) -> np.ndarray:
+    """Identified P[mode, stretch, cell, i, J] at common F, averaged over the cells that a line cuts.
+
+    Args:
+        found: the identified material at any point.
+        cut: cells that a line cuts.
+        P: stress at the centres of all cells.
+        F: deformation gradients that all points undergo.
+    """
+    P, cells = P.copy(), np.flatnonzero(cut)
+    points = points_of_cells(mesh, cells)
+    each = stress_at_common_F(found, points.reshape(-1, 2), F)
+    P[:, :, cells] = each.reshape(*each.shape[:2], *points.shape[:2], 2, 2).mean(axis=2)
+    return P
+
+
+def cut_by_lines(constrained) -> Bool[np.ndarray, " cell"]:
+    """Cells of a constrained field that a line cuts; none where it has no lines."""
+    if "interface_distance" not in constrained:
+        return np.zeros(constrained.sizes["cell"], bool)
+    positive = constrained["interface_distance"].values[:, constrained["cells"].values] > 0.0
+    return (positive.any(axis=2) & ~positive.all(axis=2)).any(axis=0)
 
 
 def errors_at_common_F(P, P_true, weights: Float[np.ndarray, " cell"]) -> Float[np.ndarray, "mode stretch"]:

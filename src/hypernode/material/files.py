@@ -30,6 +30,28 @@ def nearest_cell(file: xr.Dataset):
     return lambda X: tree.query(np.asarray(X))[1]
 
 
+def cell_of_same_material(file: xr.Dataset):
+    """X (point, 2) -> number of a cell of the material at X: its own one, unless a line of that cell lies between."""
+    cell, corners = nearest_cell(file), file["X"].values[file["cells"].values]
+    labels, distances = file["material_label"].values, file["interface_distance"].values[:, file["cells"].values]
+    # A material that has most of no cell is nowhere.
+    example = {int(label): int(np.flatnonzero(labels == label)[0]) for label in np.unique(labels)}
+
+    def at(X):
+        own = cell(X)
+        place = (X - corners[own, 0]) / (corners[own, 2] - corners[own, 0]) - 0.5
+        label = np.zeros(len(own), int)
+        for k, distance in enumerate(distances[:, own], start=1):
+            across = 0.5 * (distance[:, 1] - distance[:, 0] + distance[:, 2] - distance[:, 3])
+            up = 0.5 * (distance[:, 3] - distance[:, 0] + distance[:, 2] - distance[:, 1])
+            label[distance.mean(axis=1) + across * place[:, 0] + up * place[:, 1] > 0.0] = k
+        cut = ((distances[:, own] > 0.0).any(axis=2) & (distances[:, own] <= 0.0).any(axis=2)).any(axis=0)
+        other = np.array([example.get(int(k), -1) for k in label])
+        return np.where(cut & (label != labels[own]) & (other >= 0), other, own)
+
+    return at
+
+
 def posterior_material(file: xr.Dataset) -> Material | None:
     """All posterior samples of a constrained field as one material, or None where it has none.
 
@@ -62,9 +84,9 @@ def posterior_material(file: xr.Dataset) -> Material | None:
 
 def _convex_basis(file: xr.Dataset) -> Material:
     basis, params = basis_field(file)
-    cell = nearest_cell(file)
     laws = mean_of_subcells(basis.stress), mean_of_subcells(basis.energy)
-    return Material(lambda X: jnp.asarray(params[..., cell(X)]), *laws, units_of(file))
+    like = cell_of_same_material(file) if "interface_distance" in file else nearest_cell(file)
+    return Material(lambda X: jnp.asarray(params[..., like(X)]), *laws, units_of(file))
 
 
 def _closed_form(file: xr.Dataset) -> Material:
