@@ -1,7 +1,7 @@
 """A sheet whose cells are each of one of a few materials: a mosaic, as finite elements or a printer's voxels make it.
 
 No line cuts a cell. Which material a cell is of changes by whole cells. What a change does to the test is linearised
-where every cell that may change is a mixture of what it may be, so that one model holds on both sides.
+where every cell that may change is a mixture of what it may be. So one model holds on both sides.
 """
 
 import dataclasses
@@ -25,6 +25,8 @@ SIDE = float(np.log(2.0))
 GAIN = 0.5
 #: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
 SHARES = (1.0, 0.5, 0.25, 0.1)
+#: How many of these changes are tried alone.
+ALONE = 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,12 +96,14 @@ class Mosaic(Interfaces):
         labels = relabelled(self.of_cells, model, GAIN)
         changed = np.flatnonzero(labels != self.of_cells)
         order = changed[np.argsort(self._promised(model, labels, changed), kind="stable")]
+        sets = [order[: int(np.ceil(share * len(order)))] for share in SHARES if len(order)]
+        sets += [order[k : k + 1] for k in range(min(len(order), ALONE))]
         found = []
-        for count in dict.fromkeys(int(np.ceil(share * len(order))) for share in SHARES if len(order)):
-            some = self.of_cells.copy()
-            some[order[:count]] = labels[order[:count]]
-            if len(np.unique(some)) == self.count:
-                found.append(dataclasses.replace(self, of_cells=some))
+        for some in dict.fromkeys(tuple(each.tolist()) for each in sets):
+            changed = self.of_cells.copy()
+            changed[list(some)] = labels[list(some)]
+            if len(np.unique(changed)) == self.count:
+                found.append(dataclasses.replace(self, of_cells=changed))
         return found
 
     def _promised(self, model: ContourModel, labels, changed) -> Float[np.ndarray, " changed"]:

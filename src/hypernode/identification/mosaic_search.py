@@ -91,9 +91,7 @@ class MosaicSearch:
             moved = self._moved(kept)
             if moved is None:
                 break
-            gain, kept = moved.gain_over(kept), moved
-            if gain < EVIDENCE:
-                break
+            kept = moved
         return kept
 
     def _moved(self, kept: Candidate) -> Candidate | None:
