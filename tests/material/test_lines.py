@@ -55,3 +55,4 @@ def test_the_mean_over_a_cut_cell_has_each_material_by_its_share(sheet):
     P = means_where_cut(material_of(file), mesh, cut, np.tile(soft, (1, 1, 3, 1, 1)), F)
     np.testing.assert_allclose(P[0, 0, 1], 1.3 * soft, rtol=1e-6)
     np.testing.assert_allclose(P[0, 0, 0], soft, rtol=1e-6)
+    assert np.array_equal(means_where_cut(material_of(file), mesh, np.zeros(3, bool), P, F), P)

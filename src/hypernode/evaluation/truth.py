@@ -75,6 +75,8 @@ def means_where_cut(found: Material, mesh: Mesh, cut: Bool[np.ndarray, " cell"],
         F: deformation gradients that all points undergo.
     """
     P, cells = P.copy(), np.flatnonzero(cut)
+    if not len(cells):
+        return P
     points = points_of_cells(mesh, cells)
     each = stress_at_common_F(found, points.reshape(-1, 2), F)
     P[:, :, cells] = each.reshape(*each.shape[:2], *points.shape[:2], 2, 2).mean(axis=2)
