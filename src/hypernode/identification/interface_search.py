@@ -94,7 +94,7 @@ class Search:
         if one.leaves_more_than_noise:
             beside = parting.beside(one)
             # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
-            mosaic = self._mosaic(one, beside) if problem.certain else None
+            mosaic = None if problem.noisy else self._mosaic(one, beside)
             if mosaic is not None and not mosaic.leaves_more_than_noise:
                 return mosaic, mosaic
             kept = parting.parted(one, beside)
