@@ -39,6 +39,11 @@ class Candidate:
     u: Mapping[int, Float[np.ndarray, "node 2"]]
 
     @property
+    def history(self) -> list[float]:
+        """Misfit of the displacements before every step on the way here, over the noise that was believed then."""
+        return ([] if self.start is None else self.start.history) + self.fit.history
+
+    @property
     def terms(self) -> tuple[str, ...]:
         """Of the law."""
         return tuple(self.problem.basis.terms)

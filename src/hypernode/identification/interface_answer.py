@@ -105,7 +105,7 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         test.jacobian(fit.field, fit.states, moves),
         materials,
         [State(u, force, boundary.free) for (u, force, _), boundary in each],
-        np.array([*fit.history, fit.misfit]),
+        np.array([*found.history, fit.misfit]),
         fit.cost,
         fit.ending,
         None,
