@@ -131,13 +131,19 @@ class Search:
         return None if fine is None else (fine, fine)
 
     def _whole_cells(self, kept: Candidate, finer: Candidate) -> Candidate:
-        """The same materials of whole cells, if these explain more than lines do; else what lines ended with."""
+        """The same materials of whole cells, if these explain more than lines do; else what lines ended with.
+
+        Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell.
+        """
         if kept.fit.field.count == 1 or isinstance(kept.fit.field, Mosaic):
             return finer
         trials = self._trials
         found = MosaicSearch(trials, self._steps, MOST).near(kept, "whole cells of these materials")
         if found is None:
             return finer
+        if kept.problem.observations.own_grid:
+            trials.passed_over(finer, "cuts cells of the mesh that displacements are stated to be of")
+            return found
         gain = found.gain_over(finer)
         best, other, word = (found, finer, "whole cells") if gain > 0.0 else (finer, found, "lines")
         trials.passed_over(other, f"scores {abs(gain):+.1f} against {word}")
