@@ -110,7 +110,9 @@ class Search:
             return cells, cells
         for _ in range(ROUNDS):
             open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
-            more = parting.parted(kept) if open_ and not len(kept.fit.field.gradual) else kept
+            # Beside the same material, the same factor would be found again.
+            again = open_ and kept is not one and not len(kept.fit.field.gradual)
+            more = parting.parted(kept) if again else kept
             if more is kept:
                 break
             kept = parting.merged(self._with_law(more))
