@@ -111,6 +111,12 @@ def test_three_materials_have_lines_of_their_own():
     assert soft / sheet == pytest.approx(0.5, rel=0.05)
 
 
+def test_a_statement_that_the_grid_is_the_mesh_is_not_believed_where_whole_cells_leave_more_than_noise():
+    data, _ = observed(disc)
+    found = of_parts(data.assign_attrs(mesh="measured_grid"), SETTINGS, "sheet", STRATEGY)
+    assert found.material_count == 2 and found.layered
+
+
 def test_few_materials_are_sought_only_where_they_are_asked_for():
     data, _ = observed(disc)
     assert of_parts(data, SETTINGS.model_copy(update={"layers": False}), "sheet", STRATEGY) is None

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
+from hypernode.data.coarsening import coarsened
+from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.interface_search import of_parts
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
+from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
 from tests.sheets import SCALE, sheet, square
@@ -74,6 +77,20 @@ def test_cells_that_were_given_the_wrong_material_change_it_at_once():
     guesses = problem.equilibrium.extension(np.tile(problem.homogeneous.params, (len(wrong), 1)))
     moved = field.relabelled(test, test.states(field, guesses))
     assert np.array_equal(moved[0].of_cells, inside)
+
+
+def test_whole_cells_of_a_coarser_grid_are_where_lines_of_the_measured_one_begin():
+    data, grid, _ = sheet(16, square, LOAD, terms=())
+    settings = SETTINGS.model_copy(update={"terms": []})
+    coarse, fine = (Trials(each, settings, "square", STRATEGY) for each in (coarsened(data), data))
+    problem = coarse.problem([])
+    lines, labels = Lines.of(problem.observations.grid, problem.refinement), square(problem.mesh.centres).astype(int)
+    level = problem.homogeneous.params[0]
+    field = Mosaic.of(lines, np.array([[level], [level + 0.5]]), labels)
+    u = dict(enumerate(problem.equilibrium.extension(np.tile(problem.homogeneous.params, (len(labels), 1)))))
+    found = on_measured_grid(fine, coarse.descend("cells", None, problem, field, u, [0, 1], 5), [0, 1], False)
+    assert found.fit.field.count == 2 and len(found.fit.field.distances) == 1
+    assert (found.fit.field.labels() == square(grid.centres)).mean() > 0.95
 
 
 def test_labels_that_lines_told_cost_as_much_as_these_and_every_other_label_more():

@@ -12,6 +12,7 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.material.files import material_of
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.storage.netcdf import SYNTHETIC_UNITS
+from tests.export.materials import exported
 
 BASIS = ConvexBasis((), 0.4)
 #: A line at x = 1.7 of three cells of side one, the stiffer material behind it.
@@ -56,3 +57,11 @@ def test_the_mean_over_a_cut_cell_has_each_material_by_its_share(sheet):
     np.testing.assert_allclose(P[0, 0, 1], 1.3 * soft, rtol=1e-6)
     np.testing.assert_allclose(P[0, 0, 0], soft, rtol=1e-6)
     assert np.array_equal(means_where_cut(material_of(file), mesh, np.zeros(3, bool), P, F), P)
+
+
+def test_the_exported_file_answers_the_same_on_both_sides_of_a_line(sheet, tmp_path):
+    _, file = sheet
+    package = exported(file.assign_attrs(title="field"), tmp_path)
+    X = np.random.default_rng(4).uniform([0.0, 0.0], [3.0, 1.0], (50, 2))
+    F = np.tile(np.diag([1.1, 1.2]), (50, 1, 1))
+    np.testing.assert_allclose(package.stress(X, F), np.asarray(material_of(file).stress(X, F)), rtol=1e-5)

@@ -10,7 +10,8 @@ from hypernode.evaluation.probes import stress_at_common_F
 from hypernode.evaluation.scores import contrast, relative_error
 from hypernode.fem.mesh import Mesh
 from hypernode.material.field import Material
-from hypernode.material.files import nearest_cell
+from hypernode.material.files import lines_of, nearest_cell
+from hypernode.material.lines import cut_cells
 from hypernode.mechanics.loads import tensile_axis
 from hypernode.mechanics.modes import MODES
 
@@ -85,10 +86,8 @@ def means_where_cut(found: Material, mesh: Mesh, cut: Bool[np.ndarray, " cell"],
 
 def cut_by_lines(constrained) -> Bool[np.ndarray, " cell"]:
     """Cells of a constrained field that a line cuts; none where it has no lines."""
-    if "interface_distance" not in constrained:
-        return np.zeros(constrained.sizes["cell"], bool)
-    positive = constrained["interface_distance"].values[:, constrained["cells"].values] > 0.0
-    return (positive.any(axis=2) & ~positive.all(axis=2)).any(axis=0)
+    lines = lines_of(constrained)
+    return np.zeros(constrained.sizes["cell"], bool) if lines is None else cut_cells(lines["line_distances"])
 
 
 def errors_at_common_F(P, P_true, weights: Float[np.ndarray, " cell"]) -> Float[np.ndarray, "mode stretch"]:

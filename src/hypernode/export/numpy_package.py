@@ -11,15 +11,16 @@ import xarray as xr
 
 from hypernode.material.basis_file import basis_field
 from hypernode.material.domain_file import domain_of
-from hypernode.material.files import node_material
+from hypernode.material.files import lines_of, node_material
 from hypernode.material.laws import ENERGY_POINTS
 from hypernode.networks.terms import TERMS
 
 #: Kind of a material -> the modules that its file is made of, in their order.
+_PARTS = "hypernode.export.numpy_material"
 SECTIONS = {
-    "closed_form": ("mechanics", "cells", "closed_form"),
-    "convex_basis": ("mechanics", "cells", "basis"),
-    "node": ("mechanics", "potentials", "node"),
+    "closed_form": (f"{_PARTS}.mechanics", f"{_PARTS}.cells", f"{_PARTS}.closed_form"),
+    "convex_basis": (f"{_PARTS}.mechanics", f"{_PARTS}.cells", "hypernode.material.lines", f"{_PARTS}.basis"),
+    "node": (f"{_PARTS}.mechanics", f"{_PARTS}.potentials", f"{_PARTS}.node"),
 }
 #: What every file begins with, after its title, and ends with.
 HEAD = '''"""{title}: stress, tangent and energy at any position and deformation.
@@ -55,9 +56,8 @@ def numpy_package(file: xr.Dataset) -> dict[str, bytes]:
 
 def _assembled(kind: str, head: str) -> str:
     """The text of the Python file: its sections without what they import of one another."""
-    names = [f"hypernode.export.numpy_material.{name}" for name in SECTIONS[kind]]
     # The law comes last in the section of its kind, and needs the class of laws.
-    names = ["hypernode.material.domain", "hypernode.export.numpy_material.api", *names]
+    names = ["hypernode.material.domain", f"{_PARTS}.api", *SECTIONS[kind]]
     imports, bodies = {"from pathlib import Path"}, []
     for name in names:
         source = inspect.getsource(importlib.import_module(name))
@@ -95,7 +95,10 @@ def _closed_form(file: xr.Dataset):
 def _convex_basis(file: xr.Dataset):
     basis, params = basis_field(file)
     coefficients = {letter: np.asarray(value) for letter, value in basis.coefficients(params).items()}
-    return coefficients | _cells(file), {"letters": list(coefficients), "invariant_scale": basis.invariant_scale}
+    return coefficients | _cells(file) | (lines_of(file) or {}), {
+        "letters": list(coefficients),
+        "invariant_scale": basis.invariant_scale,
+    }
 
 
 def _node(file: xr.Dataset):

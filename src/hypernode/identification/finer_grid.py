@@ -7,6 +7,7 @@ import numpy as np
 from hypernode.fem.transfer import transfer
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.trials import Trials
 
 #: Steps of a descent at most, and sides of a coarse cell in those of a measured one.
@@ -27,9 +28,12 @@ def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_
     grid, of_grid = problem.observations.grid, coarse.problem.observations.grid
     lines = Lines.of(grid, problem.refinement)
     to_grid, to_mesh = transfer(of_grid, grid), transfer(coarse.problem.mesh, problem.mesh)
-    distances = np.array([SIDES * (to_grid.nodes @ row) for row in before.distances])
-    distances = distances.reshape(len(before.distances), len(grid.nodes))
-    field = Interfaces(dataclasses.replace(lines, apart=SIDES * before.lines.apart), before.materials, distances)
+    lines = dataclasses.replace(lines, apart=SIDES * before.lines.apart)
+    if isinstance(before, Mosaic):
+        field = Interfaces.around(lines, before.materials, before.of_cells[to_grid.cells])
+    else:
+        distances = np.array([SIDES * (to_grid.nodes @ row) for row in before.distances])
+        field = Interfaces(lines, before.materials, distances.reshape(len(before.distances), len(grid.nodes)))
     if before.lines.splines is not None:
         field = field.changing(before.grid_factor()[to_grid.cells], before.lines.splines.bend)
     u = {step: to_mesh.nodes @ each for step, each in coarse.u.items()}

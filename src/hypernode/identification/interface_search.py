@@ -24,7 +24,7 @@ from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
-from hypernode.identification.parting import MOST, Beside, Parting
+from hypernode.identification.parting import Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import Trials, largest_and_half
 from hypernode.progress import say
@@ -94,7 +94,7 @@ class Search:
         if one.leaves_more_than_noise:
             beside = parting.beside(one)
             # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
-            mosaic = None if problem.noisy else self._mosaic(one, beside)
+            mosaic = None if problem.noisy else MosaicSearch(trials, self._steps).end(one, beside)
             if mosaic is not None and not mosaic.leaves_more_than_noise:
                 return mosaic, mosaic
             kept = parting.parted(one, beside)
@@ -135,15 +135,16 @@ class Search:
     def _whole_cells(self, kept: Candidate, finer: Candidate) -> Candidate:
         """The same materials of whole cells, if these explain more than lines do; else what lines ended with.
 
-        Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell.
+        Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell,
+        unless whole cells leave more than noise.
         """
         if kept.fit.field.count == 1 or isinstance(kept.fit.field, Mosaic):
             return finer
         trials = self._trials
-        found = MosaicSearch(trials, self._steps, MOST).near(kept, "whole cells of these materials")
+        found = MosaicSearch(trials, self._steps).near(kept, "whole cells of these materials")
         if found is None:
             return finer
-        if kept.problem.observations.own_grid:
+        if kept.problem.observations.own_grid and not found.leaves_more_than_noise:
             trials.passed_over(finer, "cuts cells of the mesh that displacements are stated to be of")
             return found
         gain = found.gain_over(finer)
@@ -154,15 +155,8 @@ class Search:
     def _answer(self, kept: Candidate) -> InterfaceEstimate | None:
         if isinstance(kept.fit.field, Mosaic):
             every = list(range(len(kept.problem.observations.u)))
-            kept = MosaicSearch(self._trials, every, MOST).near(kept, "all load steps") or kept
+            kept = MosaicSearch(self._trials, every).near(kept, "all load steps") or kept
         return answer(self._trials, kept, self._finds)
-
-    def _mosaic(self, one: Candidate, beside: Beside) -> Candidate | None:
-        """The likeliest few materials of whole cells; None where the sheet is not made of them."""
-        known, stiffness, u = beside
-        if stiffness is None:
-            return None
-        return MosaicSearch(self._trials, self._steps, MOST).end(one, known, stiffness.factor, u, stiffness.misfit)
 
     def _with_law(self, kept: Candidate) -> Candidate:
         return LawSearch(self._trials, self._steps, self._finds).end(kept)

@@ -69,6 +69,16 @@ class Interfaces:
         """One material."""
         return cls(lines, params[None], np.zeros((0, len(lines.grid.mesh.nodes))))
 
+    @classmethod
+    def around(cls, lines: Lines, materials: Float[np.ndarray, "material parameter"], labels) -> "Interfaces":
+        """Materials with a line around the cells of each but the first.
+
+        Args:
+            labels: material of every cell of the measured grid (cell,).
+        """
+        distances = [lines.grid.through((labels == k).astype(float)) for k in range(1, len(materials))]
+        return cls(lines, materials, np.array(distances).reshape(len(materials) - 1, len(lines.grid.mesh.nodes)))
+
     @property
     def count(self) -> int:
         """How many materials there are."""
@@ -130,9 +140,8 @@ class Interfaces:
         """Moves of lines that stay."""
         return [scipy.sparse.csr_matrix((len(distance), 0)) for distance in self.distances]
 
-    def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
-        of, cuts = self.cells()
+    def loads_of_materials(self, response: CellResponse, of: CellMaterials) -> scipy.sparse.csr_matrix:
+        """Derivative of the nodal forces by the materials, row by row, of cells that are of these."""
         mesh, count = self.lines.fine.mesh, self.materials.shape[1]
         rows, columns, values = [], [], []
         for each, material, dofs in (
@@ -144,7 +153,12 @@ class Interfaces:
             columns.append(np.broadcast_to(material[:, None, None] * count + np.arange(count), each.shape).ravel())
             values.append(each.ravel())
         entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        found = [scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.materials.size))]
+        return scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.materials.size))
+
+    def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
+        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
+        of, cuts = self.cells()
+        mesh, found = self.lines.fine.mesh, [self.loads_of_materials(response, of)]
         for k, move in enumerate(moves):
             own = np.flatnonzero((cuts.low == k) | (cuts.up == k))
             slopes, turns = self.lines.fine.slopes(self.lines.between @ self.distances[k], of.cell[own])

@@ -156,22 +156,12 @@ class Mosaic(Interfaces):
 
     def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the options, then by the materials, row by row."""
-        mesh, count = self.lines.fine.mesh, self.materials.shape[1]
-        size, number = mesh.nodes.size, len(options.cell)
+        mesh, number = self.lines.fine.mesh, len(options.cell)
         now = np.searchsorted(np.unique(options.cell), options.cell) + number
         change = response.by_weight[:number] - response.by_weight[now]
         rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
-        by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (size, number))
-        rows, columns, values = [], [], []
-        whole = response.by_one, self.of_cells, mesh.dofs
-        mixed = response.by_first + response.by_second, of.first, mesh.dofs[of.cell]
-        for each, material, dofs in (whole, mixed):
-            rows.append(np.repeat(dofs[:, :, None], count, axis=2).ravel())
-            columns.append(np.broadcast_to(material[:, None, None] * count + np.arange(count), each.shape).ravel())
-            values.append(each.ravel())
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        by_materials = scipy.sparse.csr_matrix(entries, (size, self.materials.size))
-        return scipy.sparse.hstack([by_options, by_materials], format="csr")
+        by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (mesh.nodes.size, number))
+        return scipy.sparse.hstack([by_options, self.loads_of_materials(response, of)], format="csr")
 
 
 def _sides(mesh: Mesh) -> scipy.sparse.csr_matrix:

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
-from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch, stiffness_of
 from hypernode.identification.mosaic import Mosaic
+from hypernode.identification.parting import MOST, Beside
 from hypernode.identification.partition import parts
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
@@ -24,26 +24,25 @@ class MosaicSearch:
 
     Args:
         steps: load steps that count.
-        most: materials at most.
     """
 
-    def __init__(self, trials: Trials, steps: list[int], most: int):
-        self._trials, self._steps, self._most = trials, steps, most
+    def __init__(self, trials: Trials, steps: list[int]):
+        self._trials, self._steps = trials, steps
 
-    def end(self, begun: Candidate, known: Interfaces, factor, u, least: float) -> Candidate | None:
+    def end(self, begun: Candidate, beside: Beside) -> Candidate | None:
         """The likeliest few materials of whole cells; None where the sheet is not made of them.
 
         Args:
             begun: the candidate that leaves what a factor in every cell explains.
-            known: its materials, and which of them every cell is of.
-            factor: logarithm of that factor (cell,).
-            u: displacement of every load step with it.
-            least: what it leaves of the displacements, over their noise.
+            beside: that factor, on top of its materials.
         """
         trials, problem, kept = self._trials, begun.problem, None
+        known, stiffness, u = beside
+        if stiffness is None:
+            return None
         level = stiffness_of(problem, known.materials)
-        for count in range(known.count + (known.count == 1), self._most + 1):
-            labels, materials = parts(level[known.labels()] + factor, count, known, level)
+        for count in range(known.count + (known.count == 1), MOST + 1):
+            labels, materials = parts(level[known.labels()] + stiffness.factor, count, known, level)
             if len(materials) < count:
                 break
             field = Mosaic.of(known.lines, materials, labels)
@@ -51,7 +50,7 @@ class MosaicSearch:
             found = trials.descend(move, begun, problem, field, u, self._steps, STEPS, begun.fit.window)
             if found is None:
                 continue
-            if found.fit.misfit > NOT_MADE_OF_FEW * max(least, 1.0):
+            if found.fit.misfit > NOT_MADE_OF_FEW * max(stiffness.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
             found = self._settled(LawSearch(trials, self._steps, False, self._settled).end(found))

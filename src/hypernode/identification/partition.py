@@ -85,6 +85,4 @@ def cut_into(
 ) -> Interfaces:
     """:func:`parts` with lines around them."""
     labels, materials = parts(stiffness, count, known, of_materials)
-    lines = known.lines
-    distances = [lines.grid.through((labels == k).astype(float)) for k in range(1, len(materials))]
-    return Interfaces(lines, materials, np.array(distances).reshape(len(materials) - 1, len(lines.grid.mesh.nodes)))
+    return Interfaces.around(known.lines, materials, labels)

@@ -7,6 +7,7 @@ A few materials come first, with lines between them, of whole cells, or one that
 explains the test, every cell has its own coefficients, and jumps between cells have a cost.
 """
 
+import functools
 import sys
 
 from hypernode.config.methods import Constrained
@@ -16,7 +17,7 @@ from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.interface_search import of_parts
-from hypernode.identification.problem import field_problem
+from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.progress import say
 from hypernode.trace import table
@@ -50,11 +51,14 @@ def of_cells(measurement, settings: Constrained, name: str, strategy: Strategy) 
     explains the test. A grid of many cells begins at the field of every second of its lines.
     """
 
+    @functools.cache
+    def problem_of(*terms: str) -> FieldProblem:
+        return field_problem(measurement, settings.model_copy(update={"terms": list(terms)}), strategy=strategy)
+
     def with_terms(terms, before: Estimate | None, move: str) -> Estimate | None:
         """Where a descent ends; None without equilibrium where there is a field already."""
-        problem = _problem(measurement, settings, terms, strategy)
         try:
-            reached = descend(problem, settings, name, before, settings.tolerance, move)
+            reached = descend(problem_of(*terms), settings, name, before, settings.tolerance, move)
         except IdentificationError as error:
             if before is None:
                 raise
@@ -67,7 +71,7 @@ def of_cells(measurement, settings: Constrained, name: str, strategy: Strategy) 
         say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
         before = of_cells(coarse, settings, name, strategy).without_sensitivities()
         return with_terms(before.basis.terms, before, "cells of the measured grid")
-    check_forces(lambda *terms: _problem(measurement, settings, terms, strategy), settings, name)
+    check_forces(problem_of, settings, name)
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     plain = with_terms([term for term in settings.terms if term == "J"], None, "cells, from the homogeneous sheet")
     if plain.data_share < strategy.nothing_left or plain.basis.terms == tuple(settings.terms):
@@ -79,10 +83,6 @@ def of_cells(measurement, settings: Constrained, name: str, strategy: Strategy) 
         more = with_terms([*settings.terms, *settings.further_terms], found, "cells, with further terms")
         found = found if more is None else likeliest(found, more)
     return found
-
-
-def _problem(measurement, settings: Constrained, terms, strategy: Strategy):
-    return field_problem(measurement, settings.model_copy(update={"terms": list(terms)}), strategy=strategy)
 
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:

@@ -14,12 +14,16 @@ from hypernode.material.basis_file import basis_field
 from hypernode.material.domain_file import domain_of
 from hypernode.material.field import Material
 from hypernode.material.laws import mean_of_subcells, node_energy, node_stress
+from hypernode.material.lines import like_its_point
 from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.closed_forms import energy_density, energy_derivatives
 from hypernode.mechanics.kinematics import invariants
 from hypernode.mechanics.stress import first_piola_kirchhoff
 from hypernode.networks.weights import from_arrays
 from hypernode.storage.netcdf import StorageError, read, units_of
+
+#: Variables of a constrained field that say where materials are within its cells.
+LINES = ("material_label", "interface_distance")
 
 
 def nearest_cell(file: xr.Dataset):
@@ -30,26 +34,23 @@ def nearest_cell(file: xr.Dataset):
     return lambda X: tree.query(np.asarray(X))[1]
 
 
-def cell_of_same_material(file: xr.Dataset):
-    """X (point, 2) -> number of a cell of the material at X: its own one, unless a line of that cell lies between."""
-    cell, corners = nearest_cell(file), file["X"].values[file["cells"].values]
-    labels, distances = file["material_label"].values, file["interface_distance"].values[:, file["cells"].values]
-    # A material that has most of no cell is nowhere.
-    example = {int(label): int(np.flatnonzero(labels == label)[0]) for label in np.unique(labels)}
+def lines_of(file: xr.Dataset) -> dict[str, np.ndarray] | None:
+    """What lines make of the cells of a constrained field; None where it has no lines.
 
-    def at(X):
-        own = cell(X)
-        place = (X - corners[own, 0]) / (corners[own, 2] - corners[own, 0]) - 0.5
-        label = np.zeros(len(own), int)
-        for k, distance in enumerate(distances[:, own], start=1):
-            across = 0.5 * (distance[:, 1] - distance[:, 0] + distance[:, 2] - distance[:, 3])
-            up = 0.5 * (distance[:, 3] - distance[:, 0] + distance[:, 2] - distance[:, 1])
-            label[distance.mean(axis=1) + across * place[:, 0] + up * place[:, 1] > 0.0] = k
-        cut = ((distances[:, own] > 0.0).any(axis=2) & (distances[:, own] <= 0.0).any(axis=2)).any(axis=0)
-        other = np.array([example.get(int(k), -1) for k in label])
-        return np.where(cut & (label != labels[own]) & (other >= 0), other, own)
-
-    return at
+    Returns:
+        ``cell_middle``, ``cell_sides`` (cell, 2), ``cell_label`` (cell,) and ``line_distances`` (line, cell, 4), as
+        :func:`~hypernode.material.lines.like_its_point` takes them.
+    """
+    if "interface_distance" not in file:
+        return None
+    cells = file["cells"].values
+    corners = file["X"].values[cells]
+    return {
+        "cell_middle": corners.mean(axis=1),
+        "cell_sides": np.ptp(corners, axis=1),
+        "cell_label": file["material_label"].values,
+        "line_distances": file["interface_distance"].values[:, cells],
+    }
 
 
 def posterior_material(file: xr.Dataset) -> Material | None:
@@ -85,8 +86,16 @@ def posterior_material(file: xr.Dataset) -> Material | None:
 def _convex_basis(file: xr.Dataset) -> Material:
     basis, params = basis_field(file)
     laws = mean_of_subcells(basis.stress), mean_of_subcells(basis.energy)
-    like = cell_of_same_material(file) if "interface_distance" in file else nearest_cell(file)
-    return Material(lambda X: jnp.asarray(params[..., like(X)]), *laws, units_of(file))
+    cell, lines = nearest_cell(file), lines_of(file)
+
+    def at(X):
+        if lines is None:
+            return cell(X)
+        own, X = cell(X), np.asarray(X)
+        place = (X - lines["cell_middle"][own]) / lines["cell_sides"][own]
+        return like_its_point(own, place, lines["line_distances"], lines["cell_label"])
+
+    return Material(lambda X: jnp.asarray(params[..., at(X)]), *laws, units_of(file))
 
 
 def _closed_form(file: xr.Dataset) -> Material:

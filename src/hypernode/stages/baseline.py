@@ -19,6 +19,7 @@ from hypernode.data.measurement import field_gradient, measured_displacement, me
 from hypernode.material.basis_file import basis_content, basis_field
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
+from hypernode.material.files import LINES
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
 
@@ -58,9 +59,11 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
     """
     measurement = without_truth(read(files["measurement"]))
     mesh = mesh_of(measurement)
-    found, F = {}, field_gradient(read(files["field"]))
+    found, geometry, F = {}, {}, field_gradient(read(files["field"]))
     if method.baseline == "constrained":
-        basis, params = basis_field(read(files["constrained"]))
+        constrained = read(files["constrained"])
+        basis, params = basis_field(constrained)
+        geometry = {key: constrained[key].values for key in LINES if key in constrained}
     else:
         moduli, found = moduli_of(method, measurement, F)
         basis, params = NEO_HOOKEAN, np.log(moduli)[None, None]
@@ -73,6 +76,7 @@ def run(method: Method, name: str, files: dict[str, str], output: str, attribute
             "cells": mesh.cells,
             "corners": np.stack([mesh.lower, mesh.upper]),
             **content,
+            **geometry,
             **seen,
         },
         f"baseline material of {name}",

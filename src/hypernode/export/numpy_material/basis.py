@@ -21,11 +21,15 @@ import numpy as np
 from hypernode.export.numpy_material.api import Law
 from hypernode.export.numpy_material.cells import nearest_cell
 from hypernode.export.numpy_material.mechanics import invariants, positive_part, stress_with_structure, stretch_powers
+from hypernode.material.lines import like_its_point
 
 
 def cell_coefficients(data, spec, X):
     """(s, {letter: values (subcell, n)}): the material of a cell is the mean of those of its subcells."""
     cell = nearest_cell(data, X)
+    if "line_distances" in data:
+        place = (X - data["cell_middle"][cell]) / data["cell_sides"][cell]
+        cell = like_its_point(cell, place, data["line_distances"], data["cell_label"])
     return spec["invariant_scale"], {letter: data[letter][:, cell] for letter in spec["letters"]}
 
 
