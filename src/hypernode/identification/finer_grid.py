@@ -8,10 +8,10 @@ from hypernode.fem.transfer import transfer
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.mosaic import Mosaic
-from hypernode.identification.trials import Trials
+from hypernode.identification.trials import FAR, Trials
 
-#: Steps of a descent at most, and sides of a coarse cell in those of a measured one.
-STEPS, SIDES = 15, 2.0
+#: Sides of a coarse cell in those of a measured one.
+SIDES = 2.0
 
 
 def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_window: bool) -> Candidate | None:
@@ -39,5 +39,5 @@ def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_
     u = {step: to_mesh.nodes @ each for step, each in coarse.u.items()}
     window = SIDES * coarse.fit.window if finds_window else None
     return trials.descend(
-        "on the measured grid", coarse, problem, field, u, steps, STEPS, window, finds_window, settled=False
+        "on the measured grid", coarse, problem, field, u, steps, FAR, window, finds_window, settled=False
     )

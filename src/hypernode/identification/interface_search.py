@@ -26,7 +26,7 @@ from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import Parting
 from hypernode.identification.settings import Strategy
-from hypernode.identification.trials import Trials, largest_and_half
+from hypernode.identification.trials import NEAR, Trials, largest_and_half
 from hypernode.progress import say
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
@@ -35,8 +35,6 @@ NO_WINDOW = 0.5
 FINER = 2
 #: Distance between points of a line, in sides of cells, where more than noise is left.
 CLOSER = 0.5
-#: Steps of a descent at most, of one material or of finer elements.
-STEPS = 8
 #: How often materials are sought again on top of another law.
 ROUNDS = 2
 
@@ -87,7 +85,7 @@ class Search:
         params = problem.homogeneous.params
         u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
         field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
-        one = trials.descend("one material", None, problem, field, u, self._steps, STEPS)
+        one = trials.descend("one material", None, problem, field, u, self._steps, NEAR)
         if one is None:
             return None
         kept, parting = one, Parting(trials, self._steps, self._finds)
@@ -171,13 +169,13 @@ class Search:
         field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, coarse.fit.field.lines))
         u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}
         move, window = "finer elements", window if self._finds else None
-        found = trials.descend(move, coarse, problem, field, u, self._steps, STEPS, window, self._finds)
+        found = trials.descend(move, coarse, problem, field, u, self._steps, NEAR, window, self._finds)
         if found is None:
             return coarse
         if found.misses_deformation:
             closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=CLOSER))
             move, window = "closer points of lines", found.fit.window
             found = (
-                trials.descend(move, found, problem, closer, found.u, self._steps, STEPS, window, self._finds) or found
+                trials.descend(move, found, problem, closer, found.u, self._steps, NEAR, window, self._finds) or found
             )
         return found

@@ -10,11 +10,11 @@ from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.trials import Trials
+from hypernode.identification.trials import NEAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
-#: Steps of a descent at most: of a law alone, of lines that follow it, and of those that are far from their place.
-LAW_STEPS, LINE_STEPS, FAR_STEPS = 8, 8, 20
+#: Steps at most of lines that another law sends far from their place.
+FAR_STEPS = 20
 #: How many of the terms that may join are tried where noise is left, those first that promise most.
 TERMS_TRIED = 2
 #: Terms that say more of another one.
@@ -89,7 +89,7 @@ class LawSearch:
         if kept.fit.field.count == 1:
             return kept
         u, window, near = kept.u, kept.fit.window, not kept.leaves_mostly_no_noise
-        move, most = f"lines with {kept.terms[-1]}", LINE_STEPS if near else FAR_STEPS
+        move, most = f"lines with {kept.terms[-1]}", NEAR if near else FAR_STEPS
         found = self._trials.descend(
             move, kept, kept.problem, kept.fit.field, u, self._steps, most, window, self._finds, settled=near
         )
@@ -99,7 +99,7 @@ class LawSearch:
         """The same lines between materials of a law with one term more, from a field that has it."""
         problem, window = self._trials.with_term(kept, term), kept.fit.window
         return self._trials.descend(
-            f"with {term}", kept, problem, field, kept.u, self._steps, LAW_STEPS, window, move_lines=False
+            f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
         )
 
     def _open(self, kept: Candidate) -> list[str]:

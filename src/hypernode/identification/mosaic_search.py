@@ -10,10 +10,10 @@ from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.parting import MOST, Beside
 from hypernode.identification.partition import parts
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.trials import Trials
+from hypernode.identification.trials import FAR, Trials
 
-#: Steps of a descent of materials at most, and how often contours move.
-STEPS, ROUNDS = 15, 10
+#: How often contours move at most.
+ROUNDS = 10
 #: Ratio of what whole cells leave to what the lines around them leave, up to which single cells may be wrong. Under
 #: noise the few that a line misplaces hardly show.
 NEARLY = 1.2
@@ -47,7 +47,7 @@ class MosaicSearch:
                 break
             field = Mosaic.of(known.lines, materials, labels)
             move = f"cells of {count} materials"
-            found = trials.descend(move, begun, problem, field, u, self._steps, STEPS, begun.fit.window)
+            found = trials.descend(move, begun, problem, field, u, self._steps, FAR, begun.fit.window)
             if found is None:
                 continue
             if found.fit.misfit > NOT_MADE_OF_FEW * max(stiffness.misfit, 1.0):
@@ -78,7 +78,7 @@ class MosaicSearch:
         field = told if told is before else dataclasses.replace(told, given=told.of_cells, code=code)
         if len(np.unique(field.of_cells)) < field.count:
             return None
-        found = self._trials.descend(because, kept, kept.problem, field, kept.u, self._steps, STEPS, kept.fit.window)
+        found = self._trials.descend(because, kept, kept.problem, field, kept.u, self._steps, FAR, kept.fit.window)
         far = NEARLY if kept.problem.noisy else NOT_MADE_OF_FEW
         if found is None or found.fit.misfit > far * max(kept.fit.misfit, 1.0):
             return found
@@ -99,7 +99,7 @@ class MosaicSearch:
         test = SeenTest(kept.problem, self._steps, window)
         for field in kept.fit.field.relabelled(test, kept.fit.states):
             move = f"{int(np.sum(field.of_cells != kept.fit.field.of_cells))} cells of another material"
-            found = trials.descend(move, kept, kept.problem, field, kept.u, self._steps, STEPS, window)
+            found = trials.descend(move, kept, kept.problem, field, kept.u, self._steps, FAR, window)
             if found is None:
                 continue
             gain = found.gain_over(kept)

@@ -16,15 +16,13 @@ from hypernode.identification.law_search import stiffness_of
 from hypernode.identification.partition import cut_into
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.stiffness import Stiffness, StiffnessDescent
-from hypernode.identification.trials import Trials
+from hypernode.identification.trials import FAR, NEAR, Trials
 from hypernode.progress import say
 
 #: Materials at most.
 MOST = 4
 #: Side of a window that nobody stated, in points, where its search begins: subsets overlap by half.
 WINDOW = 1.5
-#: Steps of a descent at most: of few materials, of fewer ones near by.
-STEPS, NEAR_STEPS = 15, 8
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
 
@@ -94,9 +92,7 @@ class Parting:
             if field.count < count:
                 break
             move = f"{count} materials and lines"
-            found = trials.descend(
-                move, begun, problem, field, u, self._steps, STEPS, window, self._finds, settled=False
-            )
+            found = trials.descend(move, begun, problem, field, u, self._steps, FAR, window, self._finds, settled=False)
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -124,7 +120,7 @@ class Parting:
         trials, best = self._trials, None
         for bend in BENDS:
             move, field = f"a gradual change, bends of {bend:g}", known.changing(factor, bend)
-            found = trials.descend(move, begun, begun.problem, field, u, self._steps, STEPS)
+            found = trials.descend(move, begun, begun.problem, field, u, self._steps, FAR)
             gain = -np.inf if found is None else np.inf if best is None else found.gain_over(best)
             if found is None or gain <= 0.0:
                 if found is not None:
@@ -155,7 +151,7 @@ class Parting:
             field, window = kept.fit.field.merged(one, other), kept.fit.window
             move = "two materials as one"
             found = trials.descend(
-                move, kept, kept.problem, field, kept.u, self._steps, NEAR_STEPS, window, self._finds, settled=False
+                move, kept, kept.problem, field, kept.u, self._steps, NEAR, window, self._finds, settled=False
             )
             if found is None or kept.gain_over(found) > EVIDENCE:
                 if found is not None:

@@ -16,6 +16,9 @@ from hypernode.identification.settings import Strategy
 from hypernode.progress import say
 from hypernode.trace import Trace, Trial
 
+#: Steps of a descent at most that begins near its end, and far from it.
+NEAR, FAR = 8, 15
+
 
 class Trials:
     """All that was tried on a test.
