@@ -44,7 +44,9 @@ class NoiseEstimate:
 
 
 def estimate_noise(
-    displacement: Float[np.ndarray, "frame row column 2"], static: Sequence[int] | None = None
+    displacement: Float[np.ndarray, "frame row column 2"],
+    static: Sequence[int] | None = None,
+    length: Float[np.ndarray, " 2"] | None = None,
 ) -> NoiseEstimate:
     """Measure the noise of displacements on a regular grid.
 
@@ -56,6 +58,7 @@ def estimate_noise(
     Args:
         displacement: of each frame in any unit, NaN where a point was lost. A reference of zeros may be among them.
         static: frames of the sheet at rest; found among the first ones when left out, none when empty.
+        length: correlation length of the noise of each component, in grid steps, where it is known.
 
     Raises:
         DicError: no frame has about 6 x 6 neighbouring points that are known and that moved, or a static frame says
@@ -63,7 +66,7 @@ def estimate_noise(
     """
     if static is None:
         displacement = _without_rounding(displacement)
-    fine, fine_length = local_fit(displacement)
+    fine, fine_length = local_fit(displacement, length)
     if not np.isfinite(fine).all(axis=1).any():
         known = int(np.isfinite(displacement).all(axis=-1).sum(axis=(1, 2)).max(initial=0))
         raise DicError(

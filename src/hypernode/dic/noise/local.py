@@ -38,6 +38,7 @@ _MAD = 1.0 / ndtri(0.75)
 
 def local_fit(
     displacement: Float[np.ndarray, "frame row column 2"],
+    of_length: Float[np.ndarray, " 2"] | None = None,
 ) -> tuple[Float[np.ndarray, "frame 2"], Float[np.ndarray, " 2"]]:
     """Standard deviation in each frame and correlation length of the noise, from fourth differences along grid lines.
 
@@ -54,6 +55,7 @@ def local_fit(
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.
+        of_length: correlation length of each component in grid steps, where it is known.
 
     Returns:
         Level in the unit of the displacement, NaN for frames with too few points or without any displacement, and
@@ -67,7 +69,7 @@ def local_fit(
         if not seen:
             continue
         widest = max(table[:, 1].max() for table in seen.values())
-        tried = lengths_up_to(widest / _SPACINGS_A_LENGTH)
+        tried = lengths_up_to(widest / _SPACINGS_A_LENGTH) if of_length is None else of_length[[component]]
         fits = np.array([[_fit(table, one) for table in seen.values()] for one in tried])
         best = best_length(fits[..., 1].sum(axis=1))
         level[list(seen), component] = fits[best, :, 0]

@@ -7,8 +7,10 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
+from hypernode.dic.noise.correlation import independent_factor
 from hypernode.dic.noise.estimate import estimate_noise
-from hypernode.dic.noise.shared import as_independent, belongs_to_the_sheet, not_shared, shared_by_steps
+from hypernode.dic.noise.local import local_fit
+from hypernode.dic.noise.shared import FEWEST_STEPS, as_independent, belongs_to_the_sheet, not_shared, shared_by_steps
 from hypernode.dic.series import Series
 from hypernode.progress import say
 
@@ -69,18 +71,22 @@ def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> 
     displacement = np.stack([frame.displacement for frame in seen]) * mm
     steps = [k for k, frame in enumerate(seen) if frame.number in numbers]
     shared = shared_by_steps(displacement[steps])
-    belongs = belongs_to_the_sheet(displacement[steps], shared)
-    static = None
-    if belongs:
-        displacement, steps, static = not_shared(displacement[steps]), list(range(len(steps))), ()
-    estimate = estimate_noise(displacement, static)
-    scatter, level = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
-    if belongs:
+    if belongs_to_the_sheet(displacement[steps], shared):
+        estimate = estimate_noise(not_shared(displacement[steps]), ())
+        every = list(range(len(steps)))
+        scatter, level = (_believed(values, every) for values in (estimate.level, estimate.equivalent))
         said = f"load steps share {shared:.1%} of what is rough, which belongs to the sheet; the rest: {estimate} [mm]"
-    else:
-        level = as_independent(level, shared)
-        counted = f"{level.min():.2g} to {level.max():.2g} mm"
-        said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
+        return StepNoise(scatter, level, said)
+    own, length = local_fit(not_shared(displacement[steps])) if len(steps) >= FEWEST_STEPS else (None, None)
+    estimate = estimate_noise(displacement, length=length)
+    scatter, level = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
+    if own is not None:
+        # What is rough only where the sheet is kinked was told from noise by what steps share.
+        scatter, level = np.fmax(scatter, own), np.fmax(level, own * [independent_factor(one) for one in length])
+        shared = float(np.nanmean(1.0 - (own / scatter) ** 2))
+    level = as_independent(level, shared)
+    counted = f"{level.min():.2g} to {level.max():.2g} mm"
+    said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
     return StepNoise(scatter, level, said)
 
 
