@@ -247,3 +247,19 @@ def test_a_texture_that_misleads_every_picture_counts_as_noise():
     found = imported(loaded("smooth", 5) + SMALL * (np.sqrt(0.9) * texture + np.sqrt(0.1) * own))
     np.testing.assert_allclose(found.scatter, SMALL, rtol=0.1)
     np.testing.assert_allclose(found.level, SMALL * np.sqrt(1.0 + 4.0 * 0.9), rtol=0.1)
+
+
+def parted(steps: int = 5):
+    """A sheet whose parts of a few points stretch otherwise: most differences along lines cross a kink."""
+    X, Y = np.meshgrid(np.arange(POINTS, dtype=float), np.arange(POINTS, dtype=float))
+    first, second = X + 0.7 * Y, X - 0.8 * Y
+    ramps = [np.abs((each / size) % 2.0 - 1.0) for each, size in ((first, 5.1), (second, 6.3))]
+    load = np.linspace(0.2, 1.0, steps)
+    return np.stack([0.2 * np.stack([s * ramps[0], s * ramps[1] + 0.2 * s**2 * ramps[0]], axis=-1) for s in load])
+
+
+@pytest.mark.parametrize("length", [0.0, 0.7])
+def test_many_kinks_are_no_noise_that_neighbours_share(length):
+    found = imported(parted() + SMALL * noise(20, 5, length))
+    np.testing.assert_allclose(found.scatter, SMALL, rtol=0.3)
+    assert found.level.max() < 3.0 * SMALL * independent_factor(length)

@@ -1,6 +1,6 @@
 """The noise of a test's load steps: as the configuration gives it, else from the frames."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -84,6 +84,7 @@ def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> 
         # What is rough only where the sheet is kinked was told from noise by what steps share.
         scatter, level = np.fmax(scatter, own), np.fmax(level, own * [independent_factor(one) for one in length])
         shared = float(np.nanmean(1.0 - (own / scatter) ** 2))
+        estimate = replace(estimate, level=scatter, equivalent=level)
     level = as_independent(level, shared)
     counted = f"{level.min():.2g} to {level.max():.2g} mm"
     said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
