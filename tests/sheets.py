@@ -12,17 +12,21 @@ from hypernode.synthetic.forward import resultants
 SCALE = 0.4
 
 
-def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=()):
+def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=(), inside=None):
     """A measurement, as the file would hold it, of a sheet that is stiffer by 2 to the power of ``inclusion``, 0 to 1.
 
     Of the basis with ``terms`` its parameters have their ``values``, pairs of name and number, or those it starts with.
+    Where ``inside`` is given, those of the inclusion have these values, and it is no stiffer.
     """
     basis = ConvexBasis(terms, SCALE)
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)
     values = dict(zip(basis.names, basis.start, strict=True)) | dict(values)
     params = np.tile(list(values.values()), (len(mesh.cells), 1))
-    params[:, 0] += np.log(2.0) * inclusion(mesh.centres)
+    if inside is None:
+        params[:, 0] += np.log(2.0) * inclusion(mesh.centres)
+    else:
+        params[inclusion(mesh.centres) > 0.0] = list((values | dict(inside)).values())
     solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
     u, _ = solver.solve(load)
     force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
@@ -73,9 +77,9 @@ def square(X):
     return (np.abs(X - 0.5) < 0.25).all(axis=1)
 
 
-def observed_coarsely(cells, inclusion, load, window):
+def observed_coarsely(cells, inclusion, load, window, terms=(), **values):
     """(measurement of every second node through a window, the share of the inclusion in every measured cell)."""
-    data, mesh, _ = sheet(2 * cells, inclusion, load, window=window, terms=())
+    data, mesh, _ = sheet(2 * cells, inclusion, load, window=window, terms=terms, **values)
     lines = np.linspace(0.0, 1.0, cells + 1)
     grid = rectilinear(lines, lines)
     u = data["u_measured"].values[0]

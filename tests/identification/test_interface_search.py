@@ -32,9 +32,9 @@ def two_discs(X):
     return stiff - 1.0 * (np.linalg.norm(X - [0.68, 0.68], axis=1) < 0.2)
 
 
-def observed(inclusion):
+def observed(inclusion, **material):
     """(noisy measurement of every second node of finite elements, share of the inclusion in every cell)."""
-    data, share = observed_coarsely(CELLS, inclusion, LOAD, 0.0)
+    data, share = observed_coarsely(CELLS, inclusion, LOAD, 0.0, **material)
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
     data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE)
     return data.assign_attrs(mesh="finer", noise_uncertainty=0.05), share
@@ -100,6 +100,23 @@ def test_a_homogeneous_sheet_is_of_one_material():
     found = of_parts(data, SETTINGS, "sheet", STRATEGY)
     assert found.material_count == 1 and not found.layered
     assert np.exp(found.field.materials[0, 0]) == pytest.approx(1.0, rel=0.01)
+
+
+def test_two_materials_that_differ_only_in_the_direction_of_their_fibres_are_told_apart():
+    along, across = {"fibre_x": 0.5, "fibre_y": 0.0}, {"fibre_x": -0.2, "fibre_y": 0.45}
+    data, share = observed(disc, terms=("fibre",), values=along, inside=across)
+    found = of_parts(data, SETTINGS.model_copy(update={"terms": ["fibre"]}), "sheet", STRATEGY)
+    assert found.material_count == 2
+    whole = (share == 0.0) | (share == 1.0)
+    inside = found.labels == found.labels[share.argmax()]
+    assert (inside[whole] == (share[whole] == 1.0)).mean() > 0.97
+    names = list(found.basis.names)
+    for labels, true in ((~inside, along), (inside, across)):
+        material = found.field.materials[np.bincount(found.labels[labels & whole]).argmax()]
+        angles = [
+            np.arctan2(each["fibre_y"], each["fibre_x"]) for each in (dict(zip(names, material, strict=True)), true)
+        ]
+        assert abs(np.angle(np.exp(1j * (angles[0] - angles[1])))) < 0.1
 
 
 def test_three_materials_have_lines_of_their_own():

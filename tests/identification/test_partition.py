@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.fem.mesh import rectilinear
-from hypernode.identification.partition import levels, without_small
+from hypernode.identification.partition import centres, levels, without_small
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -30,3 +30,12 @@ def test_a_part_of_few_cells_joins_what_is_around_it():
     labels[[21, 22, 27, 28]] = 2
     found = without_small(mesh, labels, fewest=3)
     assert (found[[7, 8]] == 0).all() and (found[[21, 22, 27, 28]] == 2).all()
+
+
+def test_cells_of_two_numbers_are_parted_where_either_differs():
+    random = np.random.default_rng(2)
+    true = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]])
+    label = np.repeat([0, 1, 2], [60, 25, 15])
+    found = centres(true[label] + random.normal(0.0, 0.02, (100, 2)), 3)
+    distance = np.linalg.norm(true[:, None] - found, axis=2)
+    assert sorted(distance.argmin(axis=1)) == [0, 1, 2] and distance.min(axis=1).max() < 0.02

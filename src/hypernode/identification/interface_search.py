@@ -24,7 +24,7 @@ from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
-from hypernode.identification.parting import Parting
+from hypernode.identification.parting import Beside, Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import NEAR, Trials, largest_and_half
 from hypernode.progress import say
@@ -95,7 +95,7 @@ class Search:
             mosaic = None if problem.noisy else MosaicSearch(trials, self._steps).end(one, beside)
             if mosaic is not None and not mosaic.leaves_more_than_noise:
                 return mosaic, mosaic
-            kept = parting.parted(one, beside)
+            kept = self._parted(one, beside, parting)
         if kept is None:
             return None
         kept = parting.merged(self._with_law(kept))
@@ -116,6 +116,22 @@ class Search:
             kept = parting.merged(self._with_law(more))
             finer = self._finer(kept)
         return kept, finer
+
+    def _parted(self, one: Candidate, beside: Beside, parting: Parting) -> Candidate | None:
+        """Materials from a factor in every cell, or from a factor and fibres.
+
+        Where a factor leaves more than noise of the largest load steps, law and direction matter there. The smallest
+        steps tell where materials are whichever law they have. Fibres are taken where they explain half of the squares
+        that a factor leaves of these steps.
+        """
+        if beside.found is None or beside.found.misfit < MOSTLY_NO_NOISE:
+            return parting.parted(one, beside)
+        early = parting.beside(one, early=True)
+        if "fibre" in self._trials.settings.terms:
+            directed = parting.with_direction(one)
+            if directed.found is not None and (early.found is None or directed.found.halves(early.found)):
+                return parting.parted(one, directed)
+        return parting.parted(one, beside if early.found is None else early)
 
     def _from_coarser_grid(self) -> tuple[Candidate, Candidate] | None:
         """What every second line of a grid of many cells tells, on the whole grid."""

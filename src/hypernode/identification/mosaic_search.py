@@ -5,10 +5,9 @@ import dataclasses
 import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
-from hypernode.identification.law_search import LawSearch, stiffness_of
+from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.parting import MOST, Beside
-from hypernode.identification.partition import parts
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import FAR, Trials
 
@@ -37,12 +36,11 @@ class MosaicSearch:
             beside: that factor, on top of its materials.
         """
         trials, problem, kept = self._trials, begun.problem, None
-        known, stiffness, u = beside
-        if stiffness is None:
+        known, u = beside.known, beside.u
+        if beside.found is None:
             return None
-        level = stiffness_of(problem, known.materials)
         for count in range(known.count + (known.count == 1), MOST + 1):
-            labels, materials = parts(level[known.labels()] + stiffness.factor, count, known, level)
+            labels, materials = beside.parts(count)
             if len(materials) < count:
                 break
             field = Mosaic.of(known.lines, materials, labels)
@@ -50,7 +48,7 @@ class MosaicSearch:
             found = trials.descend(move, begun, problem, field, u, self._steps, FAR, begun.fit.window)
             if found is None:
                 continue
-            if found.fit.misfit > NOT_MADE_OF_FEW * max(stiffness.misfit, 1.0):
+            if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
             found = self._settled(LawSearch(trials, self._steps, False, self._settled).end(found))

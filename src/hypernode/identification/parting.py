@@ -12,33 +12,48 @@ import numpy as np
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import stiffness_of
-from hypernode.identification.partition import cut_into
+from hypernode.identification.law_search import stiffness_of, turned
+from hypernode.identification.partition import parts
+from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.stiffness import Stiffness, StiffnessDescent
+from hypernode.identification.stiffness import ByCell, CellDescent
 from hypernode.identification.trials import FAR, NEAR, Trials
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
 
 #: Materials at most.
 MOST = 4
 #: Side of a window that nobody stated, in points, where its search begins: subsets overlap by half.
 WINDOW = 1.5
+#: What one material leaves of a load step, over noise, from which the step tells where materials are.
+FAR_FROM_NOISE = 5.0
 #: Difference of the logarithms of stiffness up to which two materials are tried as one.
 ALIKE = 0.15
 
 
 class Beside(NamedTuple):
-    """A factor of the stiffness in every cell, on top of what is known.
+    """Numbers of every cell, on top of what is known.
 
     Attributes:
+        problem: with the law that has these numbers.
         known: materials and lines.
-        stiffness: the factor, None without equilibrium.
-        u: displacement of every load step with it.
+        columns: parameters of the materials that the numbers add to.
+        found: the numbers, None without equilibrium.
+        u: displacement of every load step with them.
     """
 
+    problem: FieldProblem
     known: Interfaces
-    stiffness: Stiffness | None
+    columns: list[int]
+    found: ByCell | None
     u: dict
+
+    def parts(self, count: int):
+        """(part of every cell, material of every part) of so many parts of about equal numbers."""
+        known, columns = self.known, self.columns
+        of_materials = known.materials[:, columns].copy()
+        of_materials[:, 0] = stiffness_of(self.problem, known.materials)
+        return parts(of_materials[known.labels()] + self.found.values, count, known, columns, of_materials)
 
 
 class Parting:
@@ -54,24 +69,69 @@ class Parting:
         #: What a factor in every cell leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
 
-    def beside(self, begun: Candidate) -> Beside:
+    def beside(self, begun: Candidate, early: bool = False) -> Beside:
         """The factor in every cell that explains more than a candidate, on top of its materials.
 
         The materials of the homogeneous fit take the place of one that was fitted to the whole sheet.
+
+        Args:
+            early: whether the smallest load steps tell it that noise allows, not the largest ones.
         """
         plain = begun.problem.homogeneous.params[None]
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
-        trials, loading = self._trials, begun.problem.observations.loading
-        last = [k for k in self._steps if loading.t[k] == loading.t[loading.load_case == loading.load_case[k]].max()]
-        window = begun.fit.window if self._finds else None
-        descent = StiffnessDescent(SeenTest(begun.problem, last, window), known, trials.settings.regulariser_weight)
-        stiffness = descent.end([begun.u[k] for k in last])
-        if stiffness is None:
-            return Beside(known, None, begun.u)
-        say("constrained", trials.name, f"a factor of the stiffness in every cell: missed by {stiffness.misfit:.3g}")
-        self.by_cell = min(self.by_cell, stiffness.misfit)
-        reached = {k: state[0] for k, state in zip(last, stiffness.states, strict=True)}
-        return Beside(known, stiffness, {**begun.u, **reached})
+        problem = begun.problem
+        steps = self._smallest(problem, known, begun.u) if early else self._largest(problem)
+        found = self._by_cell(begun, steps, problem, known, [0], np.zeros((1, 1)))
+        if found.found is not None and not early:
+            self.by_cell = min(self.by_cell, found.found.misfit)
+        return found
+
+    def with_direction(self, one: Candidate) -> Beside:
+        """A factor and fibres in every cell, on top of one homogeneous material.
+
+        They are told from a load step as small as noise allows: the smaller a deformation is, the less it matters
+        how materials stiffen.
+        """
+        problem = self._trials.problem([*one.terms, "fibre"])
+        columns = [problem.basis.names.index(name) for name in ("log_level", *FIBRE_VECTOR)]
+        plain = problem.homogeneous.params.copy()
+        # Fibres have no slope where they vanish, so that they begin in some direction.
+        plain[columns[1:]] = 0.0
+        known = one.fit.field.with_law(plain[None])
+        directions = [begun[0, columns[1:]] for begun in turned(problem.basis.start[None], problem, "fibre")]
+        starts = np.c_[np.zeros(len(directions)), directions]
+        return self._by_cell(one, self._smallest(problem, known, one.u), problem, known, columns, starts)
+
+    def _largest(self, problem: FieldProblem) -> list[int]:
+        """The largest step of every load case, of those that count."""
+        loading = problem.observations.loading
+        return [k for k in self._steps if loading.t[k] == loading.t[loading.load_case == loading.load_case[k]].max()]
+
+    def _smallest(self, problem: FieldProblem, known: Interfaces, u) -> list[int]:
+        """The smallest step of every load case of which one material leaves far more than noise, or the largest."""
+        loading, found = problem.observations.loading, []
+        for largest in self._largest(problem):
+            own = np.flatnonzero(loading.load_case == loading.load_case[largest])
+            for step in own[np.argsort(loading.t[own], kind="stable")]:
+                test = SeenTest(problem, [int(step)], WINDOW if self._finds else None)
+                states = test.states(known, [u[int(step)]])
+                if step == largest or (states is not None and test.left(states) > FAR_FROM_NOISE):
+                    found.append(int(step))
+                    break
+        return found
+
+    def _by_cell(self, begun: Candidate, steps, problem: FieldProblem, known: Interfaces, columns, starts) -> Beside:
+        """Numbers of every cell that explain steps of a test."""
+        trials = self._trials
+        test = SeenTest(problem, steps, begun.fit.window if self._finds else None)
+        descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
+        found = descent.end([begun.u[k] for k in steps], starts)
+        if found is None:
+            return Beside(problem, known, columns, None, begun.u)
+        words = "a factor of the stiffness" + " and fibres" * (len(columns) > 1)
+        say("constrained", trials.name, f"{words} in every cell: missed by {found.misfit:.3g}")
+        reached = {k: state[0] for k, state in zip(steps, found.states, strict=True)}
+        return Beside(problem, known, columns, found, {**begun.u, **reached})
 
     def parted(self, begun: Candidate, beside: Beside | None = None) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
@@ -80,17 +140,18 @@ class Parting:
             begun: with a law.
             beside: of :meth:`beside`, where that is known.
         """
-        trials, problem, first = self._trials, begun.problem, begun.fit.field.count == 1
-        known, stiffness, u = beside or self.beside(begun)
-        if stiffness is None:
+        trials, first = self._trials, begun.fit.field.count == 1
+        beside = beside or self.beside(begun)
+        problem, known, u = beside.problem, beside.known, beside.u
+        if beside.found is None:
             return None if first else begun
-        level = stiffness_of(problem, known.materials)
         kept, window = begun, WINDOW if self._finds and first else begun.fit.window
         # On top of another law, as many materials may lie elsewhere.
         for count in range(known.count + first, MOST + 1):
-            field = cut_into(level[known.labels()] + stiffness.factor, count, known, level)
-            if field.count < count:
+            labels, materials = beside.parts(count)
+            if len(materials) < count:
                 break
+            field = Interfaces.around(known.lines, materials, labels)
             move = f"{count} materials and lines"
             found = trials.descend(move, begun, problem, field, u, self._steps, FAR, window, self._finds, settled=False)
             if found is None:
@@ -103,11 +164,11 @@ class Parting:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
                 if kept is not begun:
                     break
-            # A factor in every cell leaves what more materials might explain.
-            if not kept.leaves_more_than_noise or kept.fit.misfit <= stiffness.misfit:
+            # Numbers of every cell leave what more materials might explain.
+            if not kept.leaves_more_than_noise or kept.fit.misfit <= beside.found.misfit:
                 break
-        if first:
-            kept = self._gradual(begun, known, stiffness.factor, u, kept)
+        if first and len(beside.columns) == 1:
+            kept = self._gradual(begun, known, beside.found.values[:, 0], u, kept)
         if len(kept.fit.field.gradual):
             return kept
         return self.merged(kept)

@@ -10,8 +10,32 @@ from hypernode.identification.interfaces import Interfaces
 
 #: Values that stand for all when levels are sought: their quantiles.
 QUANTILES = 600
+#: How often medians of several numbers are taken.
+MEDIANS = 30
 #: Parts of fewer touching cells are none: a line around less cannot be told from noise.
 FEWEST_CELLS = 3
+
+
+def centres(values: Float[np.ndarray, "cell number"], count: int) -> Float[np.ndarray, "centre number"]:
+    """The centres from which the numbers of cells are least far in the mean: of one number its :func:`levels`.
+
+    Of several, medians of what is nearest to each, again and again, from the levels along each principal axis.
+    """
+    if values.shape[1] == 1:
+        return levels(values[:, 0], count)[:, None]
+    best, least = None, np.inf
+    for axis in np.linalg.svd(values - values.mean(axis=0), full_matrices=False)[2]:
+        along = values @ axis
+        nearest = np.abs(along[:, None] - levels(along, count)).argmin(axis=1)
+        for _ in range(MEDIANS):
+            found = np.array([np.median(values[nearest == k], axis=0) for k in np.unique(nearest)])
+            distance = np.linalg.norm(values[:, None] - found, axis=2)
+            before, nearest = nearest, distance.argmin(axis=1)
+            if (nearest == before).all():
+                break
+        if distance.min(axis=1).sum() < least:
+            best, least = found, distance.min(axis=1).sum()
+    return best
 
 
 def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, " level"]:
@@ -58,31 +82,29 @@ def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FE
 
 
 def parts(
-    stiffness: Float[np.ndarray, " cell"], count: int, known: Interfaces, of_materials: Float[np.ndarray, " material"]
+    numbers: Float[np.ndarray, "cell number"],
+    count: int,
+    known: Interfaces,
+    columns: list[int],
+    of_materials: Float[np.ndarray, "material number"],
 ) -> tuple[Int[np.ndarray, " cell"], Float[np.ndarray, "material parameter"]]:
-    """(number of the part of every cell, its material) of parts of about equal stiffness, the largest first.
+    """(number of the part of every cell, its material) of parts of about equal numbers, the largest first.
 
-    Each is of the material that most of it was, made as stiff as it is.
+    Each is of the material that most of it was, with other numbers.
 
     Args:
-        stiffness: logarithm of the stiffness, by cell of the grid.
-        count: how many levels; what is left of them where small parts are none may be fewer.
+        numbers: of every cell of the grid, such as the logarithm of its stiffness.
+        count: how many parts; what is left of them where small ones are none may be fewer.
         known: the materials before, and their lines.
-        of_materials: logarithm of the stiffness of each of these.
+        columns: parameters that numbers add to.
+        of_materials: numbers of each of these.
     """
-    level, before = levels(stiffness, count), known.labels()
-    labels = without_small(known.lines.grid.mesh, np.abs(stiffness[:, None] - level).argmin(axis=1))
-    size = np.bincount(labels, minlength=count)
+    centre, before = centres(numbers, count), known.labels()
+    nearest = np.linalg.norm(numbers[:, None] - centre, axis=2).argmin(axis=1)
+    labels = without_small(known.lines.grid.mesh, nearest)
+    size = np.bincount(labels, minlength=len(centre))
     order = [k for k in np.argsort(-size, kind="stable") if size[k]]
     was = [int(np.bincount(before[labels == k]).argmax()) for k in order]
     materials = known.materials[was].copy()
-    materials[:, 0] += level[order] - of_materials[was]
+    materials[:, columns] += centre[order] - of_materials[was]
     return np.argsort(order)[np.unique(labels, return_inverse=True)[1]], materials
-
-
-def cut_into(
-    stiffness: Float[np.ndarray, " cell"], count: int, known: Interfaces, of_materials: Float[np.ndarray, " material"]
-) -> Interfaces:
-    """:func:`parts` with lines around them."""
-    labels, materials = parts(stiffness, count, known, of_materials)
-    return Interfaces.around(known.lines, materials, labels)

@@ -1,10 +1,7 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
-import copy
-
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
 from hypernode.identification.errors import EdgeAnswers, SharedErrors
@@ -51,12 +48,6 @@ class SeenTest:
         self._answers = None
         self.step = grid_step(observations.grid)
         self.see_through(observations.window / self.step if window is None else window)
-
-    def stiffer(self, factor: Float[np.ndarray, " cell"]) -> "SeenTest":
-        """The same of a sheet whose cells are stiffer by a factor."""
-        other = copy.copy(self)
-        other.sheet = self.sheet.stiffer(factor)
-        return other
 
     # Windows.
 

@@ -1,6 +1,5 @@
 """Finite elements of a sheet of a few materials and lines between them: forces, tangent, and what decides them."""
 
-import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,24 +145,6 @@ class Sheet:
             found.append(self._forces(stress, of.cell))
         by_first, by_second, by_weight, by_share, by_normal = found
         return by_first, by_second, by_weight[..., 0], by_share[..., 0], by_normal
-
-    def cell_forces(self, u: Float[np.ndarray, "node 2"], of: CellMaterials) -> Float[np.ndarray, "cell 8"]:
-        """Nodal forces by cell."""
-        F = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B) + np.eye(2)[:, :, None, None]
-        quads, count = F.shape[2:]
-        P, _ = self.points.stress(F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads)))
-        P = P.reshape(F.shape)
-        if len(of.cell):
-            layers = of.layers(self.points, F[..., of.cell], False)
-            whole = np.bincount(of.cell, minlength=count) == 0
-            P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), count)
-        return self._forces((P * of.factor)[:, :, None])[..., 0]
-
-    def stiffer(self, factor: Float[np.ndarray, " cell"]) -> "Sheet":
-        """The same, every cell stiffer by a factor."""
-        other = copy.copy(self)
-        other._weight = self._weight * factor
-        return other
 
     def equilibrium(self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float):
         """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none."""

@@ -1,8 +1,9 @@
-"""A factor of the stiffness in every cell, on top of a field of materials: what that field leaves unexplained.
+"""What a field of materials leaves unexplained, put into numbers of every cell: a factor of the stiffness, and fibres.
 
-The logarithm of the factor is found by Gauss-Newton steps on all cells at once. The cost of jumps does not blur them:
-it is total variation first, then its logarithm. What is left of the displacements weighs as their noise, so that far
-from the answer little is asked of a step. Cells far from jumps move together, so that the systems stay small.
+The numbers add to parameters of the materials and are found by Gauss-Newton steps on all cells at once. The cost of
+jumps does not blur them: it is total variation first, then its logarithm. A jump costs once, whichever numbers make it.
+What is left of the displacements weighs as their noise, so that far from the answer little is asked of a step. Cells
+far from jumps move together, so that the systems stay small.
 """
 
 from typing import NamedTuple
@@ -16,11 +17,12 @@ from hypernode.fem.mesh import Mesh
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.regulariser import CORNER_SHARE, SIDE_SHARE
 from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.sheet import CellMaterials
 
 #: Size below which a jump costs its square, and above which a larger one costs hardly more.
 SMALLEST_JUMP, LARGEST_JUMP = 0.02, 0.05
 #: Steps with total variation before larger jumps stop costing more, and at most in all.
-CONVEX_STEPS, STEPS = 4, 12
+CONVEX_STEPS, STEPS = 4, 40
 #: Times that weights of jumps follow a step.
 ROUNDS = 2
 #: A step that gains less than this share of the cost ends the descent.
@@ -31,18 +33,45 @@ FRACTIONS, LARGEST_STEP = (1.0, 0.5, 0.2, 0.05), 1.0
 BLOCK = 2
 
 
-class Stiffness(NamedTuple):
+class ByCell(NamedTuple):
     """What a descent left.
 
     Attributes:
-        factor: logarithm of the factor (cell,).
+        values: added to parameters of the materials of every cell (cell, number).
         states: equilibrium of every step.
         misfit: root mean square of the displacements' misfit over their noise.
     """
 
-    factor: Float[np.ndarray, " cell"]
+    values: Float[np.ndarray, "cell number"]
     states: list
     misfit: float
+
+    def halves(self, other: "ByCell") -> bool:
+        """Whether these numbers leave less than half of the squares that others leave of the same steps."""
+        return self.misfit**2 < 0.5 * other.misfit**2
+
+
+class Shifted:
+    """A field whose materials differ from cell to cell.
+
+    Args:
+        of: the materials of cells.
+        columns: parameters that differ.
+        values: by how much (cell, number).
+    """
+
+    def __init__(self, of: CellMaterials, columns: list[int], values: Float[np.ndarray, "cell number"]):
+        cells, pieces = np.arange(len(of.one)), np.arange(len(of.cell))
+        material = np.concatenate([of.one, of.first, of.second])
+        materials = of.materials[material]
+        materials[:, columns] += values[np.concatenate([cells, of.cell, of.cell])]
+        first = len(cells) + pieces
+        layers = of.cell, first, first + len(pieces), of.share, of.normal, of.weight
+        self._of = CellMaterials(materials, cells, *layers, of.factor)
+
+    def cells(self) -> tuple[CellMaterials, None]:
+        """(what every cell is of, no lines that move)."""
+        return self._of, None
 
 
 def blocks(mesh: Mesh) -> Int[np.ndarray, " cell"]:
@@ -51,10 +80,10 @@ def blocks(mesh: Mesh) -> Int[np.ndarray, " cell"]:
     return np.unique(np.stack([row // BLOCK, column // BLOCK]), axis=1, return_inverse=True)[1].ravel()
 
 
-def divided_near_jumps(mesh: Mesh, factor: Float[np.ndarray, " cell"], groups) -> Int[np.ndarray, " cell"]:
+def divided_near_jumps(mesh: Mesh, values: Float[np.ndarray, "cell number"], groups) -> Int[np.ndarray, " cell"]:
     """The same blocks, those that touch a jump divided into cells."""
     pairs = mesh.touching()
-    jump = np.abs(factor[pairs[:, 0]] - factor[pairs[:, 1]]) > LARGEST_JUMP
+    jump = np.linalg.norm(values[pairs[:, 0]] - values[pairs[:, 1]], axis=1) > LARGEST_JUMP
     beside = np.zeros(groups.max() + 1, bool)
     beside[groups[pairs[jump]].ravel()] = True
     alone = beside[groups]
@@ -62,15 +91,16 @@ def divided_near_jumps(mesh: Mesh, factor: Float[np.ndarray, " cell"], groups) -
     return np.unique(finer, return_inverse=True)[1]
 
 
-class StiffnessDescent:
-    """Descents of factors on top of a field.
+class CellDescent:
+    """Descents of numbers of every cell on top of a field.
 
     Args:
         weight: cost of a jump of one along a side of a cell.
+        columns: parameters that the numbers add to.
     """
 
-    def __init__(self, test: SeenTest, field: Interfaces, weight: float):
-        self._test, self._field, self._weight = test, field, weight
+    def __init__(self, test: SeenTest, field: Interfaces, weight: float, columns: list[int]):
+        self._test, self._weight, self._columns = test, weight, columns
         self._of, _ = field.cells()
         mesh = test.sheet.mesh
         sides, length, _ = mesh.neighbours()
@@ -80,72 +110,91 @@ class StiffnessDescent:
         self._difference = scipy.sparse.csr_matrix(entries, (number, len(mesh.cells)))
         self._length = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / np.sqrt(mesh.areas.mean())
 
-    def end(self, guesses) -> Stiffness | None:
-        """Where descents of blocks, then of cells near jumps end; None without equilibrium."""
-        mesh = self._test.sheet.mesh
-        found = self._descend(np.zeros(len(mesh.cells)), guesses, blocks(mesh))
-        if found is None:
-            return None
-        groups = divided_near_jumps(mesh, found.factor, blocks(mesh))
-        return self._descend(found.factor, [u for u, _, _ in found.states], groups)
+    def end(self, guesses, starts: Float[np.ndarray, "start number"]) -> ByCell | None:
+        """Where descents of blocks end, and of one number then those of cells near jumps; None without equilibrium.
 
-    def _cost(self, factor, convex: bool):
+        Args:
+            starts: numbers from which all cells may begin; one is kept, that of which a few steps leave least.
+        """
+        mesh, groups, best = self._test.sheet.mesh, blocks(self._test.sheet.mesh), None
+        for start in starts:
+            found = self._descend(np.tile(start, (len(mesh.cells), 1)), guesses, groups, CONVEX_STEPS)
+            if found is not None and (best is None or found.misfit < best.misfit):
+                best = found
+        if best is None:
+            return None
+        best = self._descend(best.values, [u for u, _, _ in best.states], groups, STEPS, CONVEX_STEPS) or best
+        if len(self._columns) > 1:
+            return best
+        groups = divided_near_jumps(mesh, best.values, groups)
+        return self._descend(best.values, [u for u, _, _ in best.states], groups, STEPS) or best
+
+    def _cost(self, values, convex: bool):
         """(cost of the jumps, weights of their squares)."""
-        size = np.sqrt((self._difference @ factor) ** 2 + SMALLEST_JUMP**2)
+        size = np.sqrt(((self._difference @ values) ** 2).sum(axis=1) + SMALLEST_JUMP**2)
         each = size if convex else LARGEST_JUMP * np.log1p(size / LARGEST_JUMP)
         weights = self._weight * self._length / size / (1.0 if convex else 1.0 + size / LARGEST_JUMP)
         return self._weight * float(self._length @ each), weights
 
-    def _loads(self, test: SeenTest, states, members):
-        """Derivative of the nodal forces by the factor of every group, by step."""
-        mesh, found = test.sheet.mesh, []
+    def _loads(self, field: Shifted, states, members):
+        """Derivative of the nodal forces by the numbers of every group, number by number, by step."""
+        mesh, (of, _), found = self._test.sheet.mesh, field.cells(), []
         for u, _, _ in states:
-            force = test.sheet.cell_forces(u, self._of)
-            entries = force.ravel(), (mesh.dofs.ravel(), np.repeat(np.arange(len(force)), 8))
-            found.append(scipy.sparse.csr_matrix(entries, (mesh.nodes.size, len(force))) @ members)
+            response = self._test.sheet.response(u, of, True)[2]
+            force = response.by_one[:, :, self._columns]
+            np.add.at(force, of.cell, (response.by_first + response.by_second)[:, :, self._columns])
+            rows, columns = mesh.dofs.ravel(), np.repeat(np.arange(len(force)), 8)
+            shape = mesh.nodes.size, len(force)
+            each = (
+                scipy.sparse.csr_matrix((part.ravel(), (rows, columns)), shape) for part in np.moveaxis(force, 2, 0)
+            )
+            found.append(scipy.sparse.hstack([part @ members for part in each], format="csr"))
         return found
 
-    def _descend(self, factor, guesses, groups) -> Stiffness | None:
+    def _descend(self, values, guesses, groups, most: int, done: int = 0) -> ByCell | None:
         members = scipy.sparse.csr_matrix((np.ones(len(groups)), (np.arange(len(groups)), groups)))
-        test = self._test.stiffer(np.exp(factor))
-        states, sigma = test.states(self._field, guesses), np.inf
+        test, field = self._test, Shifted(self._of, self._columns, values)
+        states, sigma = test.states(field, guesses), np.inf
         if states is None:
             return None
-        for number in range(STEPS):
+        for number in range(done, most):
             convex = number < CONVEX_STEPS
             sigma = test.sigma_of(states, sigma)
             shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
             curvature, gradient = shared.normal(
-                test.answers(states, self._loads(test, states, members), sigma), residuals
+                test.answers(states, self._loads(field, states, members), sigma), residuals
             )
-            before = 0.5 * shared.squared(residuals) + self._cost(factor, convex)[0]
-            change = self._step(curvature, gradient, factor, members, convex)
+            before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
+            change = self._step(curvature, gradient, values, members, convex)
             moved = None
             for fraction in FRACTIONS:
-                trial = factor + fraction * np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-                there = self._test.stiffer(np.exp(trial))
-                reached = there.states(self._field, [u for u, _, _ in states])
+                trial = values + fraction * np.clip(change, -LARGEST_STEP, LARGEST_STEP)
+                there = Shifted(self._of, self._columns, trial)
+                reached = test.states(there, [u for u, _, _ in states])
                 if reached is None:
                     continue
-                after = 0.5 * shared.squared(there.residuals(reached, sigma)) + self._cost(trial, convex)[0]
+                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, convex)[0]
                 if after < before:
                     moved = before - after
                     break
             if moved is None:
                 break
-            factor, states, test = trial, reached, there
+            values, states, field = trial, reached, there
             if moved < GAIN * before and not convex:
                 break
-        return Stiffness(factor, states, test.left(states))
+        return ByCell(values, states, test.left(states))
 
-    def _step(self, curvature, gradient, factor, members, convex):
-        """Change of the factors of all cells."""
-        step = np.zeros(members.shape[1])
+    def _step(self, curvature, gradient, values, members, convex):
+        """Change of the numbers of all cells."""
+        count = len(self._columns)
+        every = scipy.sparse.block_diag([members] * count, format="csr")
+        step = np.zeros(every.shape[1])
         held = 1e-3 * np.diag(curvature).mean() * np.eye(len(step))
         for _ in range(ROUNDS):
-            _, weights = self._cost(factor + members @ step, convex)
+            _, weights = self._cost(values + (every @ step).reshape(count, -1).T, convex)
             R = self._difference.T @ scipy.sparse.diags(weights) @ self._difference
-            matrix = curvature + held + (members.T @ R @ members).toarray()
-            factors = scipy.linalg.cho_factor(matrix, overwrite_a=True, check_finite=False)
-            step = -scipy.linalg.cho_solve(factors, gradient + members.T @ (R @ factor))
-        return members @ step
+            of_blocks = scipy.sparse.block_diag([members.T @ R @ members] * count).toarray()
+            factors = scipy.linalg.cho_factor(curvature + held + of_blocks, overwrite_a=True, check_finite=False)
+            pull = np.concatenate([members.T @ (R @ column) for column in values.T])
+            step = -scipy.linalg.cho_solve(factors, gradient + pull)
+        return (every @ step).reshape(count, -1).T
