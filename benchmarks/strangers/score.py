@@ -46,7 +46,7 @@ def score(run: Path, truth_file: Path) -> dict:
 
 
 def errors(prefix: str, material, truth: dict) -> dict:
-    """Relative errors of a material's stress, and the level of all stresses over the true one, each key after a prefix."""
+    """Relative errors of a material's stress, and the level of all stresses over the true one, by prefixed keys."""
     P, true, whole = np.asarray(material.stress(truth["X"], truth["F"]), float), truth["P"], truth["whole"]
     found = {
         "tested": relative_error(P, true, whole),
