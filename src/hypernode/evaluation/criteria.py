@@ -1,4 +1,4 @@
-"""The criteria of a verdict: what each asks of a run."""
+"""The criteria of a verdict."""
 
 import json
 import math
@@ -31,8 +31,8 @@ def judge_run(
 
     Args:
         summary: numbers of its evaluation.
-        measurement, constrained: opened files; no constrained field where the method has none.
-        budget: of the level of the stress; none where no force was recorded.
+        measurement, constrained: opened files; ``constrained`` is None for a method without an equilibrium field.
+        budget: of the level of the stress; None without a recorded force.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
@@ -72,7 +72,7 @@ def _convergence(summary, explained: Criterion) -> Criterion:
 
 
 def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
-    """How well a field knows the window which it had to find; none where it had not to."""
+    """Uncertainty of a correlation window that the identification had to estimate; None if it was stated."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
     if found is None or found.error == 0.0:
         return ()
@@ -123,7 +123,7 @@ def _networks(summary, settings: Settings) -> Criterion:
 
 
 def _polished(name: str, summary) -> Criterion:
-    """Of networks that came away from the equilibrium field to explain the test better than what learnt it."""
+    """Whether polished networks predict held-out load steps better than the networks before polishing."""
     misses = [
         f"{summary[f'held_out_{what}_misfit']:.3g} of their noise, not {summary[f'held_out_{what}_misfit_before']:.3g}"
         for what in ("displacement", "force")
@@ -164,7 +164,7 @@ def _spread(summary, settings: Settings) -> Criterion:
 
 
 def _inclusion(summary) -> Criterion:
-    """Whether there is one is an answer, and neither of the two is a failing."""
+    """Whether an inclusion is distinguishable; both answers pass."""
     name = "inclusion"
     if summary.get("inclusion", NOT_JUDGED) == NOT_JUDGED:
         return not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
