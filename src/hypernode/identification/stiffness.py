@@ -1,8 +1,8 @@
-"""A factor of the stiffness in every cell, on top of a field of materials: what that field leaves unexplained.
+"""A stiffness factor in every cell that multiplies a field of materials and explains its residual.
 
-The logarithm of the factor is found by Gauss-Newton steps on all cells at once. The cost of jumps does not blur them:
-it is total variation first, then its logarithm. What is left of the displacements weighs as their noise, so that far
-from the answer little is asked of a step. Cells far from jumps move together, so that the systems stay small.
+The logarithm of the factor is found by Gauss-Newton steps on all cells at once. The penalty on jumps is total variation
+first, then its logarithm, so jumps stay sharp. The residual of the displacements serves as their noise, so steps far
+from the solution are small. Cells far from jumps share one value, which keeps the systems small.
 """
 
 from typing import NamedTuple
