@@ -64,6 +64,7 @@ BROKEN = [
     (("methods", "m", "training", "iteration"), 5, r"unknown key; did you mean 'iterations'"),
     (("methods", "m", "constrained", "draws"), 5, r"unknown key; it is called 'posterior_samples' now"),
     (("methods", "m", "constrained", "jump_weight"), 1.0, r"unknown key; it is called 'regulariser_weight' now"),
+    (("cases", "a", "layers"), [], r"unknown key; it is called 'further_phases' now"),
     (("methods", "m", "seed"), -1, r"methods\.m\.seed = -1"),
     (("methods", "m", "node"), None, r"methods\.m: a method also needs node \(or name a baseline\)"),
     (("methods", "m", "baseline"), "homogeneous", r"a baseline has no networks: leave out node"),

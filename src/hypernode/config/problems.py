@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from hypernode.config.model import Config
 
 #: Key of an older version -> the key that has taken its place.
-RENAMED = {"draws": "posterior_samples", "jump_weight": "regulariser_weight"}
+RENAMED = {"draws": "posterior_samples", "jump_weight": "regulariser_weight", "layers": "further_phases"}
 
 
 def near(value, allowed: Iterable[str]) -> str:

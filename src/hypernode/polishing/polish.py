@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 from hypernode.config.methods import Constrained, Polish
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
-from hypernode.polishing.descent import Descent, descend
+from hypernode.polishing.descent import Descent, descend_weights
 from hypernode.polishing.held_out import Misfit, held_out_steps, why_not_better
 from hypernode.polishing.objective import weight_objective
 from hypernode.polishing.weight_field import WeightField
@@ -100,7 +100,7 @@ def polish(
     if settings.iterations == 0:
         return left("it is only judged")
     objective = weight_objective(used.problem, field, constrained, settings)
-    found = descend(objective, used.states, settings, name)
+    found = descend_weights(objective, used.states, settings, name)
     return _kept(problem, field, found, states, (used, other), misfits, name)
 
 
