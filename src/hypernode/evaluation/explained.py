@@ -40,8 +40,7 @@ def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
 
 
 def judge_displacements(summary, constrained: xr.Dataset | None, settings: Settings) -> Criterion:
-    """Criterion for the root mean square misfit over the noise. It is one by chance; without noise it may be
-    smaller."""
+    """Criterion for the root mean square misfit over the noise, one by chance; without noise it may be smaller."""
     name = "displacements"
     if constrained is None:
         return not_judged(name, "The method computes no displacements.")
@@ -54,11 +53,13 @@ def judge_displacements(summary, constrained: xr.Dataset | None, settings: Setti
     if judged.level is not Level.PASSED:
         return judged
     if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
-        sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
+        sentence = (
+            f"The noise is {believed.factor:.2g} times the assumed one; the field was identified with that noise."
+        )
         return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
     if believed.source is NoiseSource.FRAMES:
         sentence = (
-            "The noise is not as stated, as frames and field agree; the field was identified with what they tell."
+            "Frames and field agree that the stated noise is wrong; the field was identified with their estimate."
         )
         return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
     return judged
@@ -81,7 +82,7 @@ def _as_it_counts(judged: Criterion, misfit: float, constrained: xr.Dataset, set
     missed = float(missed_deformation(misfit, constrained))
     if misfit <= 1.0 or judged.level not in LESS or not missed <= settings.deformation:
         return judged
-    sentence = f"{judged.sentence} That stands for {percent(missed)} of the deformation, which counts for no stress."
+    sentence = f"{judged.sentence} It amounts to {percent(missed)} of the deformation, which hardly changes the stress."
     return dataclasses.replace(judged, level=LESS[judged.level], sentence=sentence)
 
 
@@ -89,7 +90,7 @@ def judge_places(summary, settings: Settings) -> Criterion:
     """Criterion for the part of the sheet whose misfit exceeds chance and amounts to a relevant deformation."""
     name = "places"
     if "unexplained_share" not in summary:
-        return not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
+        return not_judged(name, "Displacements have no noise of points, so a local misfit cannot be judged.")
     share = summary["unexplained_share"]
     words = f"Displacements are missed by more than chance and {percent(settings.deformation)} of the deformation"
     words += f", up to {summary['largest_local_misfit']:.2f} times as much, in" if share else " in"

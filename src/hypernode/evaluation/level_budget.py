@@ -169,13 +169,13 @@ def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
     """The criterion of a verdict, with every part and the cost of measuring a part of the width."""
     name = "level"
     if budget is None:
-        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
+        return not_judged(name, "No force was recorded, so the level is a convention.")
     judged = limited(name, "The level of the stress is known to", budget.level, threshold)
     parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
-    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
+    sentence = f"{judged.sentence} Contributions: {parts or 'none is stated'}."
     if budget.seen < 1.0:
         sentence += (
-            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
-            f"{percent(budget.of(SHARE).level)} open."
+            f" The points cover {percent(budget.seen)} of the width, and the strip beside them adds "
+            f"{percent(budget.of(SHARE).level)}."
         )
     return replace(judged, sentence=sentence)

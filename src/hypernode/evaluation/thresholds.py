@@ -11,7 +11,7 @@ class Threshold:
     fail: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Settings:
     """Every threshold of a verdict. Each follows from the meaning of its number, and from no single case."""
 
