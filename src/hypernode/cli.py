@@ -204,7 +204,8 @@ COMMANDS = (
 def parser() -> argparse.ArgumentParser:
     """The command line's parser."""
     top = argparse.ArgumentParser(prog="hypernode", description=__doc__.splitlines()[0])
-    top.add_argument("--log", choices=LEVELS, help="how much is said of progress, also by the jobs of a run; info")
+    levels = "debug, info or warning; also for the jobs of a run"
+    top.add_argument("--log", choices=LEVELS, metavar="LEVEL", help=f"how much is said of progress: {levels}")
     commands = top.add_subparsers(dest="command", required=True)
     for add in COMMANDS:
         add(commands)
