@@ -3,6 +3,7 @@
 import importlib
 import importlib.util
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -88,3 +89,9 @@ def test_a_workflow_ends_with_a_count_of_the_verdicts_that_it_has(judged):
     assert tally(files).startswith("verdicts: 2 pass, 1 warn; 'hypernode verdict'")
     judged(d=None)
     assert tally(files).startswith("verdicts cannot be counted: results/disc/d/evaluation.nc: holds no verdict")
+
+
+def test_the_first_choices_in_the_help_are_the_commands_from_which_the_reference_is_made():
+    top = cli.parser().format_help()
+    named = re.search(r"\{([\w,-]+)\}", top)[1].split(",")
+    assert len(named) == len(cli.COMMANDS) and named[0] == "practice"

@@ -96,8 +96,8 @@ ALLOWED = {
         *("pipeline", "stages", "storage", "export", "pictures", "challenge"),
     },
     "cli": {
-        *("__init__", "errors", "installation", "verdict", "config", "storage", "pipeline", "tables", "stages"),
-        "commands",
+        *("__init__", "errors", "installation", "progress", "verdict", "config", "storage", "pipeline", "tables"),
+        *("stages", "commands"),
     },
     "__main__": {"cli"},
     "__init__": {"material"},

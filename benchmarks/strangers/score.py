@@ -33,11 +33,11 @@ def score(run: Path, truth_file: Path) -> dict:
     files = run_files(run)
     with np.load(truth_file) as stored:
         truth = dict(stored)
-    found = _errors("", load_material(files["material"]), truth)
+    found = errors("", load_material(files["material"]), truth)
     if "constrained" in files:
         constrained = read(files["constrained"])
         field = material_of(constrained)
-        found |= _errors("field ", field, truth) | _coverage(constrained, field, truth)
+        found |= errors("field ", field, truth) | _coverage(constrained, field, truth)
     verdict = Verdict.of(json.loads(read(files["evaluation"]).attrs["verdict"]))
     return found | {
         "verdict": str(verdict.overall),
@@ -45,8 +45,8 @@ def score(run: Path, truth_file: Path) -> dict:
     }
 
 
-def _errors(prefix: str, material, truth: dict) -> dict:
-    """Relative errors of the stress, and the level of all stresses over the true one."""
+def errors(prefix: str, material, truth: dict) -> dict:
+    """Relative errors of a material's stress, and the level of all stresses over the true one, by prefixed keys."""
     P, true, whole = np.asarray(material.stress(truth["X"], truth["F"]), float), truth["P"], truth["whole"]
     found = {
         "tested": relative_error(P, true, whole),

@@ -21,9 +21,8 @@ def assemble(root: Path, target: Path, command: Sequence[str], results: Path) ->
     """
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(root / "docs", target / "docs", ignore=shutil.ignore_patterns("generator", "__pycache__"))
-    for name in ("config/README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
-        (target / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(root / name, target / name)
+    (target / "config").mkdir()
+    shutil.copyfile(root / "config" / "README.md", target / "config" / "README.md")
     made, folder = target / "docs", root / "docs" / "decisions"
     index = (made / "index.md").read_text(encoding="utf-8")
     schema = subprocess.run([*command, "schema", "config"], capture_output=True, text=True, check=True).stdout

@@ -31,8 +31,8 @@ NAVIGATION = {
             "accuracy",
             "peers",
             "decisions/index",
-            "../CHANGELOG",
-            "../CONTRIBUTING",
+            "CHANGELOG",
+            "CONTRIBUTING",
         ),
     ),
 }

@@ -22,6 +22,7 @@ from hypernode.commands.practice import add_practice
 from hypernode.commands.predict import add_predict
 from hypernode.errors import ExpectedError
 from hypernode.installation import needs
+from hypernode.progress import LEVEL, LEVELS, set_level
 
 
 def add_audit(commands) -> None:
@@ -203,6 +204,8 @@ COMMANDS = (
 def parser() -> argparse.ArgumentParser:
     """The command line's parser."""
     top = argparse.ArgumentParser(prog="hypernode", description=__doc__.splitlines()[0])
+    levels = "debug, info or warning; also for the jobs of a run"
+    top.add_argument("--log", choices=LEVELS, metavar="LEVEL", help=f"how much is said of progress: {levels}")
     commands = top.add_subparsers(dest="command", required=True)
     for add in COMMANDS:
         add(commands)
@@ -212,6 +215,9 @@ def parser() -> argparse.ArgumentParser:
 def main(argv=None) -> int:
     """Run a command; expected errors become one line on standard error and exit code 2."""
     arguments = parser().parse_args(argv)
+    if arguments.log:
+        os.environ[LEVEL] = arguments.log
+        set_level()
     try:
         return arguments.run(arguments)
     except BrokenPipeError:

@@ -43,7 +43,7 @@ MORE_BROKEN = [
     (("cases", "a", "cells"), [0, 5]),
     (("cases", "a", "size"), [1.0]),
     (("cases", "a", "spacing"), [1.0, -1.0]),
-    (("cases", "a", "layers"), [{"geometry": "disc", "material": "stone"}]),
+    (("cases", "a", "further_phases"), [{"geometry": "disc", "material": "stone"}]),
     (("cases", "a", "camera"), {"cells": [5, 5], "window": -1.0}),
     (("cases", "a", "references"), {"matrix": "b"}),
     (("cases", "a", "references"), {"fibre": "a"}),

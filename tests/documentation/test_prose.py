@@ -8,7 +8,7 @@ from tests.documentation.prose import docstrings, sentences, words
 #: No sentence has more words than the first; fewer than one in twenty have more than the second.
 LONGEST, LONG = 30, 25
 PAGES = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
+    *(ROOT / name for name in ("README.md", "config/README.md")),
     *sorted(page for page in ROOT.glob("docs/**/*.md") if page.parent.name != "decisions"),
 ]
 

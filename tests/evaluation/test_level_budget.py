@@ -169,7 +169,7 @@ def test_a_verdict_says_what_the_share_costs():
     stiffer = 1.0 + 4.0 * (np.abs(mesh.centres[:, 0] - 0.3) < 0.1)
     stress = stiffer[None, :, None, None] * np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
     said = judge_level(level_budget(measured(0.6, force_offset_uncertainty=0.001), stress), SETTINGS.level)
-    assert said.level is not Level.PASSED and "see 60 % of the width" in said.sentence
+    assert said.level is not Level.PASSED and "cover 60 % of the width" in said.sentence
     assert said.sentence.index(SHARE) < said.sentence.index("relaxation") < said.sentence.index("gain")
 
 

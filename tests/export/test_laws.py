@@ -22,7 +22,15 @@ TRUE = {
 
 def curves(stress, deviations=None):
     none = np.zeros((0, len(F), 3))
-    return Curves(0, np.arange(1), 1.0, ("mode",) * len(F), F, stress[None], none if deviations is None else deviations)
+    return Curves(
+        phase=0,
+        cells=np.arange(1),
+        share=1.0,
+        modes=("mode",) * len(F),
+        F=F,
+        by_cell=stress[None],
+        deviations=none if deviations is None else deviations,
+    )
 
 
 def stress_of(law):

@@ -37,3 +37,27 @@ def test_the_catalogue_promises_a_report_that_the_workflow_can_write():
     assert usage["report"] and sorted((ROOT / "workflow/report").glob("*.rst"))
     assert set(usage["software-stack-deployment"].values()) == {False}
     assert not list((ROOT / "workflow").rglob("*env*.y*ml")), "environments of rules would have to be promised"
+
+
+def test_a_wheel_brings_every_file_of_the_workflow_and_of_its_profiles():
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["data-files"]
+    brought = {
+        f"{folder.removeprefix('share/hypernode').lstrip('/')}/{path.name}".lstrip("/"): str(path.relative_to(ROOT))
+        for folder, patterns in data.items()
+        for pattern in patterns
+        for path in ROOT.glob(pattern)
+    }
+    files = [path for part in ("workflow", "profiles") for path in (ROOT / part).rglob("*") if path.is_file()]
+    needed = {str(path.relative_to(ROOT)) for path in files if "__pycache__" not in path.parts}
+    assert all(place == origin for place, origin in brought.items())
+    assert needed - set(brought) == set()
+
+
+def test_a_host_runs_what_everybody_runs():
+    """The file of a host has no steps of its own besides those that fetch the project and what it needs."""
+    jobs = yaml.safe_load((ROOT / ".github/workflows/checks.yml").read_text())["jobs"]
+    (job,) = jobs.values()
+    commands = [step["run"].split() for step in job["steps"] if "run" in step]
+    assert commands == [[".ci/run"]]
+    (python,) = [step["with"]["python-version"] for step in job["steps"] if "python" in step.get("uses", "")]
+    assert f"Programming Language :: Python :: {python}" in PROJECT["classifiers"]

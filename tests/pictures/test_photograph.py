@@ -116,10 +116,15 @@ def test_a_lens_moves_a_spot_by_the_stated_share_of_the_third_power(distortion):
 
 def test_places_and_pixels_are_inverse_and_the_corner_moves_by_the_stated_share():
     for distortion in (-0.1, 0.0, 0.1):
-        view = View(300, 400, 0.02, 50.0, 250.0, distortion)
+        view = View(
+            rows=300, columns=400, mm_per_pixel=0.02, origin_column=50.0, origin_row=250.0, distortion=distortion
+        )
         pixels = np.random.default_rng(0).uniform((0.0, 0.0), (399.0, 299.0), (500, 2))
         np.testing.assert_allclose(view.pixels(view.places(pixels)), pixels, atol=1e-8)
-    straight, bent = (View(300, 400, 0.02, 50.0, 250.0, d) for d in (0.0, 0.05))
+    straight, bent = (
+        View(rows=300, columns=400, mm_per_pixel=0.02, origin_column=50.0, origin_row=250.0, distortion=d)
+        for d in (0.0, 0.05)
+    )
     corner = straight.places(np.array([[399.0, 0.0]]))
     np.testing.assert_allclose(bent.pixels(corner) - [[399.0, 0.0]], 0.05 * np.array([[199.5, -149.5]]))
 

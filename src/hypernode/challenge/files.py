@@ -18,7 +18,7 @@ SAME = 1e-6
 TORN = 0.97
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ChallengeTest:
     """A test whose arrays fit.
 
@@ -60,7 +60,15 @@ def challenge_test(arrays: Mapping[str, np.ndarray], source: str) -> ChallengeTe
         remarks.append(f"the force falls after frame {last - 1}: the {len(force) - last} frames after it are left out")
     scale = _scale(X, u, crosshead, remarks)
     label = arrays["label"].astype(int) if "label" in arrays else None
-    return ChallengeTest(scale * X, scale * u[:last], crosshead[:last], force[:last], label, down, remarks)
+    return ChallengeTest(
+        X=scale * X,
+        u=scale * u[:last],
+        crosshead=crosshead[:last],
+        force=force[:last],
+        label=label,
+        down=down,
+        remarks=remarks,
+    )
 
 
 def _check(arrays: Mapping[str, np.ndarray], source: str) -> None:

@@ -49,16 +49,16 @@ def run_correlate(arguments) -> int:
     from hypernode.stages.correlate_files import Photographs, run
 
     photographs = Photographs(
-        arguments.folder,
-        arguments.pictures,
-        arguments.pixel_size,
-        arguments.reference,
-        arguments.every,
-        tuple(arguments.region) if arguments.region else None,
-        arguments.mask,
-        arguments.force_file,
-        arguments.force_set,
-        arguments.force_cycle,
+        folder=arguments.folder,
+        pattern=arguments.pictures,
+        mm_per_pixel=arguments.pixel_size,
+        reference=arguments.reference,
+        every=arguments.every,
+        region=tuple(arguments.region) if arguments.region else None,
+        mask=arguments.mask,
+        force_file=arguments.force_file,
+        force_set=arguments.force_set,
+        force_cycle=arguments.force_cycle,
     )
     said = run(photographs, settings, arguments.output, arguments.threads)
     print(f"written   {arguments.output}, {len(said['pictures'])} pictures by {settings.engine}")

@@ -5,7 +5,7 @@ from typing import Literal, Union
 from pydantic import Field, model_validator
 
 from hypernode.config.section import Count, Positive, Section
-from hypernode.config.synthetic import Camera, Layer
+from hypernode.config.synthetic import Camera, FurtherPhase
 
 #: Points along a side from which noise can be told: fewer say nothing of it.
 FEWEST_POINTS = 6
@@ -52,7 +52,7 @@ class Case(Sheet):
     """Measurement error; left out, there is none."""
     specimen: str | None = None
     """The real test that is identified, in the place of geometry, materials and loads."""
-    layers: list[Layer] = []
+    further_phases: list[FurtherPhase] = []
     """Further phases, drawn over the first two in this order."""
     unseen_loads: list[str] = []
     """Load cases that are computed with the identified field afterwards and compared with the truth."""
@@ -67,7 +67,7 @@ class Case(Sheet):
         synthetic = {"geometry": self.geometry, "matrix": self.matrix, "loads": self.loads or None}
         if self.specimen:
             given = [key for key, value in synthetic.items() if value]
-            if given or self.inclusion or self.noise or self.layers or self.camera or self.unseen_loads:
+            if given or self.inclusion or self.noise or self.further_phases or self.camera or self.unseen_loads:
                 raise ValueError("a specimen has no geometry, materials, loads or noise of its own")
             if self.thickness:
                 raise ValueError("the thickness of a specimen is said under 'specimens', with its width and height")

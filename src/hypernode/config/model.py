@@ -26,7 +26,7 @@ class Config(Section):
     """
 
     geometries: dict[str, Geometry] = {}
-    """Shapes of inclusions, holes and layers."""
+    """Shapes of inclusions, holes and further phases."""
     materials: dict[str, Material] = {}
     """Closed-form materials of synthetic sheets."""
     loads: dict[str, Load] = {}

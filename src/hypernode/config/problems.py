@@ -10,6 +10,9 @@ from pydantic import BaseModel
 
 from hypernode.config.model import Config
 
+#: Key of an older version -> the key that has taken its place.
+RENAMED = {"draws": "posterior_samples", "jump_weight": "regulariser_weight", "layers": "further_phases"}
+
 
 def near(value, allowed: Iterable[str]) -> str:
     """The hint at the allowed name that is most like a value; empty where none is."""
@@ -38,7 +41,9 @@ def describe(error: dict, where: str) -> str:
         names = _allowed_keys(Config, list(error["loc"][:-1]))
         if path[0] == "methods" and len(path) == 3:
             names = ["extends", *names]
-        return f"{where}: {key}: unknown key{near(path[-1], names)}\n    allowed: {', '.join(names)}"
+        new = RENAMED.get(str(path[-1]))
+        hint = f"; it is called '{new}' now" if new in names else near(path[-1], names)
+        return f"{where}: {key}: unknown key{hint}\n    allowed: {', '.join(names)}"
     message = error["msg"].removeprefix("Value error, ")
     value = error.get("input")
     shown = f" = {value!r}" if not isinstance(value, (dict, BaseModel)) and kind != "missing" else ""

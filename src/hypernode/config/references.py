@@ -16,7 +16,7 @@ _SECTION = {
     "noise": "noise",
     "specimen": "specimens",
 }
-_SECTION_OF_LAYER = {"geometry": "geometries", "material": "materials"}
+_SECTION_OF_PHASE = {"geometry": "geometries", "material": "materials"}
 
 
 class Reference(NamedTuple):
@@ -70,9 +70,9 @@ def _of_case(config: Config, name: str, case, methods: list[str]) -> Iterator[Re
     used = [
         *(((key,), getattr(case, key), section) for key, section in _SECTION.items()),
         *(
-            (("layers", k, key), getattr(layer, key), _SECTION_OF_LAYER[key])
-            for k, layer in enumerate(case.layers)
-            for key in _SECTION_OF_LAYER
+            (("further_phases", k, key), getattr(phase, key), _SECTION_OF_PHASE[key])
+            for k, phase in enumerate(case.further_phases)
+            for key in _SECTION_OF_PHASE
         ),
         *(
             ((key, k), value, "loads")

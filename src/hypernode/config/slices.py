@@ -53,12 +53,12 @@ def pictures_for(config: Config, name: str, stage: str) -> dict:
 
 def case_geometries(case: Case) -> list[str]:
     """Names of the geometries that a synthetic case uses."""
-    return [key for key in (case.geometry, case.hole, *(layer.geometry for layer in case.layers)) if key]
+    return [key for key in (case.geometry, case.hole, *(phase.geometry for phase in case.further_phases)) if key]
 
 
 def case_materials(case: Case) -> list[str]:
     """Names of the materials that a synthetic case uses."""
-    return [key for key in (case.matrix, case.inclusion, *(layer.material for layer in case.layers)) if key]
+    return [key for key in (case.matrix, case.inclusion, *(phase.material for phase in case.further_phases)) if key]
 
 
 def in_fixed_order(settings):

@@ -103,7 +103,7 @@ class Noise(Section):
     """That of its zero, over the largest force."""
 
 
-class Layer(Section):
+class FurtherPhase(Section):
     """A further phase, drawn over what is already there."""
 
     geometry: str

@@ -7,7 +7,7 @@ from typing import Literal
 from hypernode.config.specimen_tests import SpecimenTest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Declared:
     """Keys of a test of the same names.
 

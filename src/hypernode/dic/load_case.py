@@ -23,7 +23,7 @@ from hypernode.mechanics.relaxation import ELASTIC, Relaxation
 from hypernode.progress import say
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadCase:
     """One test, in mm, N and s, y upward, on the lines of its own grid.
 
@@ -123,21 +123,21 @@ def _without_force(
     u = np.stack([by_number[number] for number in numbers]) - np.nan_to_num(by_number[series.frames[0].number])
     stretch = dict(zip(by_number, mean_stretch(series, test.load), strict=True))
     return LoadCase(
-        test,
-        series.x * mm,
-        series.y * mm,
-        np.array([full.x[-1] * mm, full.y[-1] * mm]),
-        numbers,
-        np.full(len(numbers), np.nan),
-        np.array([stretch[number] for number in numbers]),
-        u,
-        {},
-        np.zeros(len(numbers)),
-        ELASTIC,
-        np.array([angles[number] for number in numbers]),
-        noise_of(test, series, numbers, mm),
-        tuple(path for path in full.files if path.is_file()),
-        full.findings,
+        test=test,
+        x=series.x * mm,
+        y=series.y * mm,
+        size=np.array([full.x[-1] * mm, full.y[-1] * mm]),
+        numbers=numbers,
+        time=np.full(len(numbers), np.nan),
+        stretch=np.array([stretch[number] for number in numbers]),
+        u=u,
+        force={},
+        pairing=np.zeros(len(numbers)),
+        relaxation=ELASTIC,
+        camera_angle=np.array([angles[number] for number in numbers]),
+        noise=noise_of(test, series, numbers, mm),
+        files=tuple(path for path in full.files if path.is_file()),
+        findings=full.findings,
     )
 
 

@@ -29,7 +29,7 @@ BEYOND = 0.05
 _OPPOSITE = (("left", "right"), ("bottom", "top"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ImportedSpecimen:
     """The tests of a sheet on one mesh, in mm, N and s, y upward; steps of several tests follow one another.
 
@@ -120,18 +120,20 @@ def specimen_of(specimen: Specimen, cases: list[LoadCase], hole: Callable | None
     steps = [len(case.numbers) for case in cases]
     chart = Path(specimen.thickness_map) if specimen.thickness_map else None
     return ImportedSpecimen(
-        mesh,
-        cases,
-        np.repeat(np.arange(len(cases)), steps),
-        np.concatenate(u),
-        int(sum(each.sum() for each in mistaken)),
-        np.concatenate(H),
-        edge_force,
-        constrained,
-        field,
-        np.tile(np.minimum(mesh.size / [specimen.width, specimen.height], 1.0), (len(cases), 1)),
-        thickness_at(chart, mesh.centres) / specimen.thickness if chart else np.ones(len(mesh.cells)),
-        chart,
+        mesh=mesh,
+        cases=cases,
+        load_case=np.repeat(np.arange(len(cases)), steps),
+        u=np.concatenate(u),
+        outliers=int(sum(each.sum() for each in mistaken)),
+        H=np.concatenate(H),
+        edge_force=edge_force,
+        constrained=constrained,
+        field=field,
+        shares=np.tile(np.minimum(mesh.size / [specimen.width, specimen.height], 1.0), (len(cases), 1)),
+        relative_thickness=thickness_at(chart, mesh.centres) / specimen.thickness
+        if chart
+        else np.ones(len(mesh.cells)),
+        thickness_map=chart,
     )
 
 

@@ -1,4 +1,4 @@
-"""The criteria of a verdict: what each asks of a run."""
+"""The criteria of a verdict."""
 
 import json
 import math
@@ -31,8 +31,8 @@ def judge_run(
 
     Args:
         summary: numbers of its evaluation.
-        measurement, constrained: opened files; no constrained field where the method has none.
-        budget: of the level of the stress; none where no force was recorded.
+        measurement, constrained: opened files; ``constrained`` is None for a method without an equilibrium field.
+        budget: of the level of the stress; None without a recorded force.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
@@ -72,14 +72,14 @@ def _convergence(summary, explained: Criterion) -> Criterion:
 
 
 def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
-    """How well a field knows the window which it had to find; none where it had not to."""
+    """Uncertainty of a correlation window that the identification had to estimate; None if it was stated."""
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
     if found is None or found.error == 0.0:
         return ()
     side = f"{found.side:.3g} +- {found.error:.1g} {json.loads(measurement.attrs['units'])['length']}"
     sentence = (
-        f"No correlation_window is stated; the field was identified as seen through one of {side}, which two materials "
-        "and a line tell. State that of the engine."
+        f"No correlation_window is stated; the identification estimated it beside interfaces as {side}. State "
+        "the window of the correlation software."
     )
     known = found.error / found.side
     level = Level.PASSED if known <= settings.window_known else Level.WARNED
@@ -92,7 +92,7 @@ def _outliers(measurement, settings: Settings) -> Criterion:
         return not_judged(name, "The measurement does not say whether points were mistaken.")
     sizes = measurement.sizes
     share = int(measurement.attrs["outliers"]) / (sizes["load_step"] * sizes["node"] * sizes["repeat"])
-    return limited(name, "Points that stand alone and count as lost are", share, settings.outliers)
+    return limited(name, "Outliers, which count as lost points, are", share, settings.outliers)
 
 
 def _forces(summary, measurement, threshold: Threshold) -> Criterion:
@@ -105,7 +105,7 @@ def _forces(summary, measurement, threshold: Threshold) -> Criterion:
 def _law(constrained, settings: Settings) -> Criterion:
     name = "law"
     if constrained is None:
-        return not_judged(name, "The method does not say what its basis cannot follow.")
+        return not_judged(name, "The method fits no basis of terms to the forces.")
     misfits = json.loads(constrained.attrs["homogeneous_force_misfit"])
     # The maximum of Python's own loses what is not a number.
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
@@ -123,12 +123,12 @@ def _networks(summary, settings: Settings) -> Criterion:
 
 
 def _polished(name: str, summary) -> Criterion:
-    """Of networks that came away from the equilibrium field to explain the test better than what learnt it."""
+    """Whether polished networks predict held-out load steps better than the networks before polishing."""
     misses = [
         f"{summary[f'held_out_{what}_misfit']:.3g} of their noise, not {summary[f'held_out_{what}_misfit_before']:.3g}"
         for what in ("displacement", "force")
     ]
-    sentence = f"Polished networks miss displacements that they have not seen by {misses[0]}, and forces by {misses[1]}"
+    sentence = f"Polished networks miss held-out displacements by {misses[0]}, and held-out forces by {misses[1]}"
     if summary["polish_ending"] == Ending.CONVERGED:
         return Criterion(name, Level.PASSED, f"{sentence}.")
     return Criterion(
@@ -159,15 +159,15 @@ def _spread(summary, settings: Settings) -> Criterion:
     name = "uncertainty"
     if "spread" not in summary:
         return not_judged(name, "There are no posterior samples.")
-    words = "By posterior samples, and where interfaces cut cells, the stiffness is known to"
+    words = "By posterior samples and cut cells the standard uncertainty of the stiffness is"
     return limited(name, words, summary["spread"], settings.spread)
 
 
 def _inclusion(summary) -> Criterion:
-    """Whether there is one is an answer, and neither of the two is a failing."""
+    """Whether an inclusion is distinguishable; both answers pass."""
     name = "inclusion"
     if summary.get("inclusion", NOT_JUDGED) == NOT_JUDGED:
-        return not_judged(name, "What is noise in the stiffness is not known: there are no posterior samples.")
+        return not_judged(name, "The noise of the stiffness is unknown: there are no posterior samples.")
     seen, needed, count = (summary[key] for key in ("contrast_seen", "contrast_needed", "phases_found"))
     chance = f"{'noise' if needed > FLOOR else 'finite elements'} {percent(needed)}"
     split = "they explain" if count == 2 else "a split in two explains"

@@ -40,14 +40,14 @@ def _curves_at(material, X, stretches, kind):
 
 
 def curve_errors(found: Float[np.ndarray, "stretch 2"], true: Float[np.ndarray, "stretch 2"]) -> tuple[float, float]:
-    """(NRMSE over the range of the true curve, R2) of one location."""
+    """(root mean square error over the range of the true curve, R2) of one location."""
     error = np.sqrt(np.mean((found - true) ** 2))
     spread = np.sum((true - true.mean()) ** 2)
     return float(error / np.ptp(true)), float(1.0 - np.sum((found - true) ** 2) / spread)
 
 
 def score_curves(found: Material, true: Material | None, places, largest: float, kind: str) -> Judgement:
-    """Curves up to the ``largest`` stretch at one place of each phase, and their errors where the truth is known."""
+    """Curves up to the ``largest`` stretch at one place of each phase, with their errors if the truth is known."""
     stretch = np.linspace(1.0, largest, CURVE_POINTS)
     identified = curves(found, places, stretch, kind)
     drawn = Judgement({"curve_location": places, "curve_stretch": stretch, "curve_identified": identified})

@@ -1,4 +1,4 @@
-"""How the descent to a constrained field ended, as its file says."""
+"""How the iteration for a constrained field ended, from its file."""
 
 import json
 
@@ -11,7 +11,7 @@ from hypernode.evaluation.thresholds import SETTINGS
 
 
 def score_ending(constrained: xr.Dataset) -> Judgement:
-    """How the descent ended, misfits of displacements and forces in units of their noise, and those of left-out steps.
+    """Ending, misfits of displacements and forces over their noise, and misfits of left-out steps.
 
     Raises:
         ValueError: the file does not say so.

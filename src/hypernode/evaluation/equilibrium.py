@@ -1,7 +1,8 @@
 """Whether the stress of the identified material is in equilibrium and carries the measured forces.
 
-The answer depends on the deformation at which the stress is taken. At the measured one, differentiated as it is, noise
-counts against the material. At the identified one, the field that the method uses, only the method does.
+The answer depends on the deformation at which the stress is taken. At the measured deformation, the plain gradient of
+the measured displacements, noise adds to the error of the material. At the identified deformation only errors of the
+method count.
 """
 
 import numpy as np
@@ -19,14 +20,14 @@ from hypernode.mechanics.kinematics import largest_principal_strain
 
 
 def stress_at(material: Material, X, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
-    """P of every cell at its own F; NaN where noise folds the cell over (det F <= 0) or the stress overflows."""
+    """P of every cell at its own F; NaN if noise inverts the cell (det F <= 0) or the stress overflows."""
     P = np.asarray(material.stress(X, F), float)
     valid = (np.linalg.det(F) > 0.0) & np.isfinite(P).all(axis=(-2, -1))
     return np.where(valid[..., None, None], P, np.nan)
 
 
 def nodal_forces(mesh: Mesh, P: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step node 2"]:
-    """Nodal forces of a cell-wise stress, per unit thickness."""
+    """Nodal forces of a stress that is constant in each cell, per unit thickness."""
     D = nodal_force_matrices(mesh)
     return np.stack([sum(D[J] @ P[:, :, i, J].T for J in range(2)).T for i in range(2)], axis=-1)
 
@@ -47,7 +48,7 @@ def edge_resultants(
     """Outward force on each edge, per unit thickness; NaN where the displacement is not prescribed.
 
     Args:
-        shares: of the sheet's sides that are seen; what is beside them is as their rim has it.
+        shares: measured part of each side of the sheet; the strip beside it carries the traction of the rim.
     """
     forces = np.full((len(nodal), len(EDGES), 2), np.nan)
     for index, (edge, (axis, _)) in enumerate(EDGES.items()):
@@ -61,7 +62,7 @@ def edge_resultants(
 def nodal_residual(
     mesh: Mesh, loading: Loading, nodal: Float[np.ndarray, "step node 2"], P: Float[np.ndarray, "step cell 2 2"]
 ) -> Float[np.ndarray, " step"]:
-    """Norm of the nodal forces that nothing holds over the norm of the forces that the cells exert on their nodes."""
+    """Norm of the unbalanced nodal forces over the norm of the forces that the cells exert on their nodes."""
     free = np.where(prescribed_nodes(mesh, loading), 0.0, nodal)
     gradient = mesh.gradient_operator() * mesh.areas[:, None, None]
     cell_forces = np.einsum("caJ,sciJ->scai", gradient, P)
@@ -84,7 +85,7 @@ def edge_force_error(
     measured: Float[np.ndarray, "step edge 2"],
     prescribed: Bool[np.ndarray, "step edge 2"],
 ) -> Float[np.ndarray, " step"]:
-    """Largest error of the resultants that are measured on prescribed edges, over the step's largest resultant."""
+    """Largest error of the measured resultants on prescribed edges, over the largest resultant of the step."""
     known = np.isfinite(measured) & prescribed
     largest = np.nan_to_num(np.abs(measured)).max(axis=(1, 2), keepdims=True)
     relative = np.divide(np.abs(found - measured), largest, out=np.zeros_like(found), where=known)

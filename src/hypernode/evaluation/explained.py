@@ -1,7 +1,7 @@
-"""Whether displacements are explained: by their noise, or up to deformation that is too small to count.
+"""Whether the field explains the displacements to their noise, or to a deformation that is too small to matter.
 
-What is missed beyond chance shows that something is not as it was described. How much of the stress that may cost is
-told by the deformation that it stands for. A precise camera sees differences that change no stress.
+A misfit beyond chance shows an error of the model. Its effect on the stress depends on the deformation that it amounts
+to. A precise camera sees differences that hardly change the stress.
 """
 
 import dataclasses
@@ -21,7 +21,8 @@ LESS = {Level.FAILED: Level.WARNED, Level.WARNED: Level.PASSED}
 
 
 def missed_deformation(misfit, constrained: xr.Dataset):
-    """Deformation between neighbouring points that is missed beyond noise, over the largest of the test.
+    """Deformation between neighbouring points that corresponds to the misfit beyond noise, over the largest of the
+    test.
 
     Args:
         misfit: root mean square over the noise, a number or an array.
@@ -31,7 +32,7 @@ def missed_deformation(misfit, constrained: xr.Dataset):
 
 
 def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
-    """Share of the cells where displacements are missed by more than chance, and by deformation that counts."""
+    """Share of the cells whose misfit exceeds chance and amounts to a relevant deformation."""
     # Local misfits are over that of the sheet where that is more than noise.
     usual = max(float(json.loads(constrained.attrs["misfits"])["displacement"]), 1.0)
     counts = missed_deformation(usual * constrained["local_misfit"], constrained) > settings.deformation
@@ -39,7 +40,7 @@ def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
 
 
 def judge_displacements(summary, constrained: xr.Dataset | None, settings: Settings) -> Criterion:
-    """The root mean square misfit over the noise, which is one by chance; less is well where there is no noise."""
+    """Criterion for the root mean square misfit over the noise, one by chance; without noise it may be smaller."""
     name = "displacements"
     if constrained is None:
         return not_judged(name, "The method computes no displacements.")
@@ -52,11 +53,13 @@ def judge_displacements(summary, constrained: xr.Dataset | None, settings: Setti
     if judged.level is not Level.PASSED:
         return judged
     if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
-        sentence = f"The noise is {believed.factor:.2g} times what was believed; the field was identified with that."
+        sentence = (
+            f"The noise is {believed.factor:.2g} times the assumed one; the field was identified with that noise."
+        )
         return Criterion(name, Level.WARNED, sentence, believed.factor, settings.misfit_low)
     if believed.source is NoiseSource.FRAMES:
         sentence = (
-            "The noise is not as stated, as frames and field agree; the field was identified with what they tell."
+            "Frames and field agree that the stated noise is wrong; the field was identified with their estimate."
         )
         return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
     return judged
@@ -75,19 +78,19 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
 
 
 def _as_it_counts(judged: Criterion, misfit: float, constrained: xr.Dataset, settings: Settings) -> Criterion:
-    """One level less where a misfit stands for a deformation that does not count."""
+    """The criterion lowered by one level if its misfit amounts to an irrelevant deformation."""
     missed = float(missed_deformation(misfit, constrained))
     if misfit <= 1.0 or judged.level not in LESS or not missed <= settings.deformation:
         return judged
-    sentence = f"{judged.sentence} That stands for {percent(missed)} of the deformation, which counts for no stress."
+    sentence = f"{judged.sentence} It amounts to {percent(missed)} of the deformation, which hardly changes the stress."
     return dataclasses.replace(judged, level=LESS[judged.level], sentence=sentence)
 
 
 def judge_places(summary, settings: Settings) -> Criterion:
-    """How much of the sheet is missed by more than chance, and by deformation that counts."""
+    """Criterion for the part of the sheet whose misfit exceeds chance and amounts to a relevant deformation."""
     name = "places"
     if "unexplained_share" not in summary:
-        return not_judged(name, "No noise of points rules, so that none says where displacements are explained.")
+        return not_judged(name, "Displacements have no noise of points, so a local misfit cannot be judged.")
     share = summary["unexplained_share"]
     words = f"Displacements are missed by more than chance and {percent(settings.deformation)} of the deformation"
     words += f", up to {summary['largest_local_misfit']:.2f} times as much, in" if share else " in"
@@ -95,7 +98,7 @@ def judge_places(summary, settings: Settings) -> Criterion:
 
 
 def judge_left_out(constrained: xr.Dataset | None, settings: Settings) -> Criterion:
-    """Whether the largest steps are predicted from the others, displacements and forces: the worse of the two."""
+    """Criterion for the largest load steps, predicted from the others: the worse of displacements and forces."""
     name = "prediction"
     if constrained is None:
         return not_judged(name, "The method predicts no load step from others.")

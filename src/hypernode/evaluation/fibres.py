@@ -1,4 +1,4 @@
-"""Whether the identified material is stiffest in the direction in which the true one is."""
+"""Whether the identified and the true material are stiffest in the same direction."""
 
 import numpy as np
 from jaxtyping import Float

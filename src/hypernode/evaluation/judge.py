@@ -1,4 +1,4 @@
-"""Everything that is judged of one run, put together."""
+"""All parts of the evaluation of one run."""
 
 import json
 from collections.abc import Mapping
@@ -45,19 +45,20 @@ SHAPE_STRETCH = 1.1
 
 
 def shape_stretch(measurement: xr.Dataset) -> float:
-    """Stretch at which the shape is read: :data:`SHAPE_STRETCH`, or the largest of a test that stays below."""
+    """Stretch at which the shape is determined: :data:`SHAPE_STRETCH`, or the largest of the test if that is
+    smaller."""
     return min(SHAPE_STRETCH, float(measurement["stretch"].values.max()))
 
 
 def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: PrintedShape | None = None) -> Judgement:
-    """Judge the identified material of one run.
+    """Evaluate the identified material of one run.
 
     Args:
         files: opened ``measurement``, ``gradient``, ``field`` (interpolant or gradient) and ``material``;
             ``constrained`` where the method has one, and ``truth`` where it is known.
         kind: kind of the first load.
         stretches: stretches at which materials are compared (stretch,).
-        printed: the shape of a specimen, where it is known.
+        printed: the shape of a specimen, if known.
 
     Raises:
         ValueError: the constrained field does not say how it ended, or no shape can be read from the material.

@@ -1,4 +1,4 @@
-"""What an evaluation finds: fields to store and single numbers to tabulate."""
+"""The result of an evaluation: fields to store and single numbers to tabulate."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,7 @@
-"""The budget of the level of the stress: what each input leaves open of it, as in the GUM (JCGM 100:2008, 8.1).
+"""Uncertainty budget of the level of the stress, as in the GUM (JCGM 100:2008, 8.1).
 
-Displacements tell ratios of stiffness. The level is that of the forces over the section. Every input has a standard
-uncertainty, and the level follows it by a sensitivity. Their products add by squares.
+Displacements determine ratios of stiffness. The level follows from the forces over the cross-section. Every input has a
+standard uncertainty and a sensitivity. Their products are summed in quadrature.
 """
 
 from dataclasses import dataclass, replace
@@ -31,12 +31,12 @@ SHARE = "share of the width"
 
 @dataclass(frozen=True)
 class Part:
-    """What one input leaves open.
+    """The contribution of one input.
 
     Attributes:
         name: of the input.
-        prior: its relative standard uncertainty; of the zero, over the largest force.
-        level: that of the level by it.
+        prior: its relative standard uncertainty; for the zero of the load cell, over the largest force.
+        level: relative standard uncertainty of the level that it causes.
     """
 
     name: str
@@ -50,7 +50,7 @@ class LevelBudget:
 
     Attributes:
         parts: in the order of the table.
-        seen: smallest share of a loaded section that the points see.
+        seen: smallest part of a loaded section that the points cover.
     """
 
     parts: tuple[Part, ...]
@@ -67,12 +67,12 @@ class LevelBudget:
 
     @property
     def largest(self) -> list[Part]:
-        """Those that make up most, the largest first."""
+        """The parts that make up most of it, the largest first."""
         return sorted((part for part in self.parts if part.level > 0.0), key=lambda part: -part.level)
 
 
 def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"]) -> LevelBudget | None:
-    """The budget of an identified field; None where no force was recorded, and the level is a convention.
+    """The budget of an identified field; None without a recorded force, where the level is a convention.
 
     Args:
         measurement: opened file.
@@ -123,16 +123,16 @@ def _share(measurement, mesh: Mesh, loading: Loading, shares, P) -> tuple[float,
 
 
 def share_uncertainty(mesh: Mesh, normal: Float[np.ndarray, " cell"], axis: int, share: float) -> float:
-    """Relative uncertainty of the force of a section of which a share is seen.
+    """Relative uncertainty of the force of a section that is measured in part.
 
-    Two things tell how well a rim stands for what is beside it. Every section carries one force, so that its scatter
-    over sections is an error. And a band within the sheet, as wide as the rim's, misses the one beside it by something.
-    Both sides are on average right or wrong by themselves.
+    The strip beside the measured points is assumed to be like their rim. Two checks give the error of this assumption.
+    Every section carries the same force, so the scatter over sections is an error. A band within the sheet, as wide as
+    the strip, differs from the band beside it. The errors of both sides are independent.
 
     Args:
-        normal: traction over the sections' normal, times the relative thickness.
+        normal: normal traction on the sections, times the relative thickness.
         axis: of that normal.
-        share: of a section that is seen.
+        share: measured part of a section.
     """
     grid, sizes = _on_sections(mesh, normal, axis)
     whole = np.nansum(grid * sizes, axis=1)
@@ -160,22 +160,22 @@ def _on_sections(mesh: Mesh, values: Float[np.ndarray, " cell"], axis: int):
 
 
 def table(budget: LevelBudget) -> list[dict]:
-    """The budget as rows that a file stores: input, prior, part of the level; the last is the whole."""
+    """The budget as rows for a file: input, prior, part of the level. The last row is the total."""
     rows = [{"input": part.name, "prior": part.prior, "level": part.level} for part in budget.parts]
     return [*rows, {"input": "level", "prior": None, "level": budget.level}]
 
 
 def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
-    """The criterion of a verdict, with every part and with what the share of the width costs."""
+    """The criterion of a verdict, with every part and the cost of measuring a part of the width."""
     name = "level"
     if budget is None:
-        return not_judged(name, "No force was recorded, so that nothing has to be known about the level.")
+        return not_judged(name, "No force was recorded, so the level is a convention.")
     judged = limited(name, "The level of the stress is known to", budget.level, threshold)
     parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
-    sentence = f"{judged.sentence} It is from: {parts or 'nothing that is stated'}."
+    sentence = f"{judged.sentence} Contributions: {parts or 'none is stated'}."
     if budget.seen < 1.0:
         sentence += (
-            f" The points see {percent(budget.seen)} of the width, and what is beside them leaves "
-            f"{percent(budget.of(SHARE).level)} open."
+            f" The points cover {percent(budget.seen)} of the width, and the strip beside them adds "
+            f"{percent(budget.of(SHARE).level)}."
         )
     return replace(judged, sentence=sentence)

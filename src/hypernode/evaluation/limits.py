@@ -1,4 +1,4 @@
-"""How a number is judged by a threshold."""
+"""Comparison of a number with a threshold."""
 
 import math
 
@@ -7,17 +7,17 @@ from hypernode.verdict import Criterion, Level
 
 
 def not_judged(name: str, sentence: str) -> Criterion:
-    """One that says nothing, and why."""
+    """A criterion that does not apply, with the reason."""
     return Criterion(name, Level.NOT_JUDGED, sentence)
 
 
 def percent(value: float) -> str:
-    """In words; of what is wrong by more than ten times itself the digits say nothing."""
+    """A share as text in per cent; errors above 1000 % are not given in digits."""
     return "1000 % and more" if value >= 10.0 else f"{100.0 * value:.3g} %"
 
 
 def limited(name: str, words: str, value: float, threshold: Threshold, shown=percent) -> Criterion:
-    """A number that should be small; one that is not finite fails."""
+    """Criterion for a number that should be small; a number that is not finite fails."""
     value = float(value)
     if not math.isfinite(value):
         return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)

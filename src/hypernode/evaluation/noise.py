@@ -1,4 +1,4 @@
-"""How much of a deformation gradient is noise."""
+"""Signal-to-noise ratio of deformation gradients."""
 
 from collections.abc import Mapping
 
@@ -21,6 +21,6 @@ def signal_to_noise(
 
 
 def score_noise(fields: Mapping[str, Float[np.ndarray, "step cell 2 2"]], F_truth) -> Judgement:
-    """Signal-to-noise ratio of each named deformation gradient, its mean over the steps where there is noise."""
+    """Signal-to-noise ratio of each named deformation gradient, averaged over the steps with noise."""
     ratios = {f"snr_{label}": signal_to_noise(F, F_truth) for label, F in fields.items()}
     return Judgement(ratios, {key: float(ratio.mean()) for key, ratio in ratios.items() if ratio.max() < EXACT})

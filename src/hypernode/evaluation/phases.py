@@ -1,4 +1,4 @@
-"""How many phases of a sheet can be told apart, and whether there is an inclusion at all."""
+"""Number of distinguishable phases of a sheet, and whether there is an inclusion at all."""
 
 from dataclasses import dataclass, replace
 
@@ -31,9 +31,9 @@ class Phases:
 
     Attributes:
         labels: number of each cell's phase, from the softest.
-        shape: the inclusion, the side of the first split that meets the border less; empty where there is none.
-        seen: relative standard deviation of the stiffness that the first split explains.
-        needed: what it must exceed.
+        shape: the inclusion, the side of the first split with fewer cells at the border; empty without an inclusion.
+        seen: relative standard deviation of the stiffness between the two sides of the first split.
+        needed: its limit; an inclusion exceeds it.
     """
 
     labels: Int[np.ndarray, " cell"]
@@ -43,12 +43,13 @@ class Phases:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of phases."""
         return int(self.labels.max()) + 1
 
 
 def without_single_cells(mesh: Mesh, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " cell"]:
-    """A cell beyond all cells with which it shares a side counts as the nearest of them; lines and corners stay."""
+    """Values in which a cell above or below all its edge neighbours takes the nearest value of theirs; lines and
+    corners stay."""
     pairs, _, _ = mesh.neighbours()
     low, high = np.full(len(values), np.inf), np.full(len(values), -np.inf)
     for one, other in (pairs.T, pairs.T[::-1]):
@@ -61,10 +62,10 @@ def without_single_cells(mesh: Mesh, values: Float[np.ndarray, " cell"]) -> Floa
 def explained(
     values: Float[np.ndarray, " cell"], share: Float[np.ndarray, " cell"], high: Bool[np.ndarray, " cell"]
 ) -> float:
-    """Standard deviation of some cells that a split of them in two explains, in the unit of the values.
+    """Standard deviation between the two parts of a split, in the unit of the values.
 
     It is sqrt(w1 w2 / (w1 + w2)) |m1 - m2|, with the area shares w and the medians m of the two parts. This is the root
-    of the variance between classes of Otsu (1979), with medians, so that single cells do not count.
+    of Otsu's variance between classes (1979), with medians instead of means to limit the influence of single cells.
 
     Args:
         values: of the cells that are split.
@@ -78,10 +79,10 @@ def explained(
 
 
 def needed_of(explained_by_chance: Float[np.ndarray, " sample"]) -> float:
-    """What a split must explain: :data:`BEYOND` standard deviations more than splits of posterior samples, or a floor.
+    """Limit for a split: the value for splits of posterior samples plus :data:`BEYOND` standard deviations, or a floor.
 
-    Median and interquartile range stand for mean and standard deviation: there are few samples, and one that is far off
-    would otherwise make every inclusion indistinguishable. Of eight samples a ninth of their kind is beyond in 1 to 4 %
+    Median and interquartile range replace mean and standard deviation, since one outlier among few samples would make
+    every inclusion indistinguishable. A ninth sample of the same kind exceeds the limit from eight samples in 1 to 4 %
     of the cases.
     """
     if not len(explained_by_chance):
@@ -109,23 +110,23 @@ class _Part:
 
     @property
     def excess(self) -> float:
-        """Above one, the two sides are distinguishable."""
+        """Ratio to the limit; above one the two sides are distinguishable."""
         return self.seen / self.needed
 
 
 def find_phases(
     mesh: Mesh, field: Float[np.ndarray, " cell"], deviations: Float[np.ndarray, "sample cell"] | None = None
 ) -> Phases:
-    """Split the sheet in two as long as a split explains more than it explains of what the test cannot tell.
+    """Split the sheet in two, repeatedly, as long as a split explains more of the field than of its uncertainty.
 
-    The part whose split is the most distinct is split next, at most until there are :data:`MOST`. A split within a part
-    counts with its area in the whole sheet. It is compared with samples that are split within the same part. A seam
-    between two phases, where cells are cut or a field is smooth, is no phase unless it is wider than one cell.
-    Stiffness that changes gradually has no phases, and may be found as several.
+    The part with the most distinct split is split next, up to :data:`MOST` phases. A split within a part is weighted by
+    its area in the whole sheet, and compared with samples that are split within the same part. A seam between two
+    phases, where cells are cut or a field is smooth, is a phase only if it is wider than one cell. A gradually varying
+    stiffness has no phases, but may be divided into several.
 
     Args:
         field: indicator of the stiffness.
-        deviations: of posterior samples from the best field, over its median; None for a test without noise.
+        deviations: of posterior samples from the best field, over the median of that field; None without noise.
 
     Raises:
         ValueError: as :func:`~hypernode.evaluation.shape.find_inclusion`.
@@ -179,12 +180,12 @@ def _finite(deviations, cells: int) -> Float[np.ndarray, "sample cell"]:
 def score_phases(
     mesh: Mesh, field: Float[np.ndarray, " cell"], deviations: Float[np.ndarray, "sample cell"] | None, noisy: bool
 ) -> Judgement:
-    """The inclusion and the phases of a sheet, and what contrast it takes to see one.
+    """The inclusion and the phases of a sheet, and the smallest contrast that would be visible.
 
     Args:
         field, deviations: as of :func:`find_phases`.
-        noisy: whether the displacements are; without samples it is then not known what the test cannot tell, and the
-            sheet is split in any case.
+        noisy: whether the displacements are noisy. If they are and there are no samples, the uncertainty is unknown and
+            the sheet is split in any case.
 
     Raises:
         ValueError: as :func:`~hypernode.evaluation.shape.find_inclusion`.
@@ -203,5 +204,5 @@ def score_phases(
 
 
 def phase_numbers(evaluation: xr.Dataset) -> Int[np.ndarray, " cell"]:
-    """Number of the phase of every cell, from the softest; the sides of the shape where none were looked for."""
+    """Number of the phase of every cell, from the softest. Without phases: the two sides of the shape."""
     return evaluation["phase_found" if "phase_found" in evaluation else "shape"].values.astype(int)

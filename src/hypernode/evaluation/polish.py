@@ -1,4 +1,4 @@
-"""What became of a hyper-network that was polished, as its file says."""
+"""Result of polishing a hyper-network, from its file."""
 
 import json
 import math
@@ -15,15 +15,15 @@ KEPT, NOT_KEPT = "kept", "not kept"
 
 
 def identified_gradient(field: xr.Dataset, material: xr.Dataset) -> Float[np.ndarray, "2 2 step cell"]:
-    """F[i, J, step, cell] that a method identified: in equilibrium with a polished network, or that of its field."""
+    """Identified F[i, J, step, cell]: in equilibrium with the polished network, or that of the field."""
     return field_gradient(material if "F" in material else field)
 
 
 def score_polish(material: xr.Dataset) -> Judgement:
-    """Whether a polished network is kept, and how its result misses load steps that it did not see, over their noise.
+    """Whether a polished network is kept, and its misfit of held-out load steps over their noise.
 
     Args:
-        material: opened file of a material; nothing is said of one that no polishing left.
+        material: opened file of a material; the result is empty if it was not polished.
     """
     if "polished" not in material.attrs:
         return Judgement()

@@ -1,4 +1,4 @@
-"""What a material field does under prescribed homogeneous deformations."""
+"""Response of a material field to prescribed homogeneous deformations."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -29,11 +29,11 @@ def equibiaxial_stress(material: Material, X, stretches) -> np.ndarray:
 
 
 def uniaxial_stress(material: Material, X, stretches, axis: int) -> Float[np.ndarray, "stretch point 2"]:
-    """Normal stresses under a uniaxial *stress* along ``axis`` at the given stretches; NaN where none is found.
+    """Normal stresses under a uniaxial *stress* along ``axis`` at the given stretches; NaN without a solution.
 
     The transverse stretch, between 0.3 and 3, follows from a vanishing transverse stress by Newton's method. A point
-    has converged where its last step is below :data:`STEP` or, in single precision, where steps never become that
-    small, below :data:`ROUNDING_UNITS` of the stress's type.
+    has converged if its last step is below :data:`STEP`. In single precision steps never become that small, and the
+    limit is :data:`ROUNDING_UNITS` of the stress's type.
 
     Args:
         X: positions (point, 2).
@@ -47,8 +47,8 @@ def uniaxial_states(material: Material, X, stretches, axis: int):
     """The states of :func:`uniaxial_stress`.
 
     Returns:
-        F[stretch, point, i, J], and P of the same shape. Then two of (stretch, point): how much the stress along
-        changes over that across as the transverse stretch changes, and whether the state was found.
+        F[stretch, point, i, J], and P of the same shape. Then two arrays (stretch, point): the derivative of the axial
+        stress with respect to the transverse stress along the transverse stretch, and whether the state was found.
     """
     across = 1 - axis
     along = np.broadcast_to(np.asarray(stretches, float)[:, None], (len(stretches), len(X)))
@@ -69,8 +69,8 @@ def uniaxial_states(material: Material, X, stretches, axis: int):
 
 
 def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
-    """The stress from which the shape is read (cell,): tr P at equibiaxial stretch, or the axial
-    stress in uniaxial tension for uniaxial tests."""
+    """Stress that indicates the stiffness (cell,): tr P at equibiaxial stretch, or the axial stress for uniaxial
+    tests."""
     axis = tensile_axis(kind)
     if axis is None:
         P = equibiaxial_stress(material, X, [stretch])[0]
@@ -81,13 +81,13 @@ def indicator(material: Material, X, kind: str, stretch: float) -> np.ndarray:
 def sampled_indicator(
     best: Material, samples: Material, X, count: int, kind: str, stretch: float
 ) -> Float[np.ndarray, "sample cell"]:
-    """:func:`indicator` of materials near one, to first order in their distance from it.
+    """:func:`indicator` of materials close to ``best``, to first order in their difference.
 
-    The transverse stretch of a sample follows from the tangent of ``best``, so that a sample has a state wherever that
+    The transverse stretch of a sample follows from the tangent of ``best``, so a sample has a state wherever ``best``
     has one.
 
     Args:
-        best: material of which the others are samples.
+        best: material about which the samples scatter.
         samples: ``count`` materials at the positions X, one after the other.
     """
     every = np.tile(X, (count, 1))
@@ -104,8 +104,8 @@ def sampled_indicator(
 def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:
     """(anisotropy (cell,), angle of the stiffest direction from x [degrees] (cell,)) at equibiaxial stretch.
 
-    The anisotropy is the difference of the principal stresses over their sum: zero for an isotropic
-    material, however it is described. The angle, from -90 to 90, means nothing where it vanishes.
+    The anisotropy is the difference of the principal stresses over their sum, zero for every isotropic material. The
+    angle, from -90 to 90, is arbitrary if the anisotropy vanishes.
     """
     P = equibiaxial_stress(material, X, [stretch])[0]
     difference, shear = P[:, 0, 0] - P[:, 1, 1], P[:, 0, 1] + P[:, 1, 0]

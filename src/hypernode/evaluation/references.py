@@ -1,4 +1,4 @@
-"""What was identified, in sheets of one phase each and in frames that were not used, against their tests."""
+"""The identified material in homogeneous reference sheets and in unused frames, compared with their tests."""
 
 import sys
 
@@ -32,15 +32,15 @@ MIDDLE = np.linspace(0.25, 0.75, 5)
 
 
 def is_found(evaluation, phase: str) -> bool:
-    """Whether any cell was found to belong to a phase."""
+    """Whether any cell belongs to a phase."""
     return bool((evaluation["shape"].values == PHASES.index(phase)).any())
 
 
 def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
-    """Centres of cells from the middle half of a phase by the indicator of its stiffness.
+    """Centres of cells in the middle half of a phase, ranked by the indicator of their stiffness.
 
-    The identified stiffness varies over a phase by a tenth or more. Cells whose indicators are alike differ by some per
-    cent under other deformations. So no single cell stands for a phase. Some cell must belong to it.
+    The identified stiffness varies within a phase by a tenth or more, and cells with equal indicators differ by some
+    per cent under other deformations. Several cells therefore represent a phase. At least one cell must belong to it.
     """
     cells = np.flatnonzero(evaluation["shape"].values == PHASES.index(phase))
     order = cells[np.argsort(evaluation["trace_P"].values[cells], kind="stable")]
@@ -48,7 +48,7 @@ def typical_places(evaluation, phase: str) -> Float[np.ndarray, "place 2"]:
 
 
 def pulled_sheet(measurement, node, node_params, progress: Progress):
-    """Resultants (step, edge, i) of an elastic sheet whose outline moves as it was measured.
+    """Resultants (step, edge, i) of an elastic sheet whose outline is displaced as measured.
 
     Args:
         measurement: measurement file of the sheet.
@@ -90,8 +90,8 @@ def reference_forces(phase: str, sheet, identified, evaluation, node, params_at,
     """Resultants (step, edge, i) of a reference sheet with what was identified.
 
     The material of a phase is the mean of the identified ones at its typical places; that of :data:`WHOLE` is the
-    identified field. How much of the force is a matter of time, the record of a phase's own sheet says. For other
-    frames of the identified test, that test's used frames say it; the compared frames have no part in it.
+    identified field. The relaxed part of the force comes from the record of the reference sheet. For other frames of
+    the identified test it comes from the frames that were used, and not from the compared ones.
 
     Args:
         sheet: measurement file of the reference sheet.
@@ -103,7 +103,7 @@ def reference_forces(phase: str, sheet, identified, evaluation, node, params_at,
         ConvergenceError: as :func:`pulled_sheet`.
 
     Returns:
-        NaN, and a sentence on the standard error, for a phase that was not found.
+        NaN for a phase that was not found, with a message on standard error.
     """
     if phase != WHOLE and not is_found(evaluation, phase):
         print(f"no forces of the {phase}: none was found in the sheet that was identified", file=sys.stderr)
@@ -118,6 +118,6 @@ def reference_forces(phase: str, sheet, identified, evaluation, node, params_at,
 
 
 def force_nrmse(found: Float[np.ndarray, "step edge 2"], measured: Float[np.ndarray, "step edge 2"]) -> float:
-    """Root mean square error of the resultants that are measured, over the largest of them."""
+    """Root mean square error of the measured resultants, over the largest of them."""
     known = np.isfinite(measured)
     return float(np.sqrt(np.mean((found - measured)[known] ** 2)) / np.abs(measured[known]).max())

@@ -1,4 +1,4 @@
-"""The deformations that a test has seen: beyond them, an identified material is extrapolated."""
+"""The deformations of a test; outside them an identified material is extrapolated."""
 
 import numpy as np
 from jaxtyping import Float

@@ -9,7 +9,7 @@ def relative_error(
     true: Float[np.ndarray, "... cell 2 2"],
     weights: Float[np.ndarray, " cell"],
 ) -> float:
-    """Relative L2 difference of two stress fields; not a number where ``true`` vanishes under the weights."""
+    """Relative L2 difference of two stress fields; NaN if the weighted ``true`` vanishes."""
     w = weights[:, None, None]
     size = np.sum(w * true**2)
     return float(np.sqrt(np.sum(w * (found - true) ** 2) / size)) if size > 0.0 else float("nan")
@@ -20,7 +20,7 @@ def contrast(
     true: Float[np.ndarray, "... cell 2 2"],
     weights: Float[np.ndarray, " cell"],
 ) -> tuple[float, float]:
-    """(L2 error over L2 deviation of the truth from its mean, correlation); not numbers for a uniform truth."""
+    """(L2 error over L2 deviation of the truth from its mean, correlation); NaN for a uniform truth."""
     w = (weights / weights.sum())[:, None, None]
     deviation = true - np.sum(true * w, axis=-3, keepdims=True)
     found_deviation = found - np.sum(found * w, axis=-3, keepdims=True)

@@ -1,4 +1,4 @@
-"""Shapes of inclusions: found without looking at the truth, and compared with it."""
+"""Shapes of inclusions, found without the true shape and then compared with it."""
 
 import itertools
 from collections.abc import Callable
@@ -27,11 +27,10 @@ def border_cells(mesh: Mesh) -> Bool[np.ndarray, " cell"]:
 
 
 def two_levels(indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
-    """Cells on the upper side of Otsu's threshold; none where all are alike.
+    """Cells above Otsu's threshold; none if all values are equal.
 
-    Between two well separated levels Otsu's criterion is flat and its first maximum hugs the lower
-    level; half-way between the two means is the same optimum with the widest margin. A few cells beyond
-    all others do not draw the threshold to themselves.
+    Between two well separated levels Otsu's criterion is flat. The threshold is then half-way between the two means,
+    which has the widest margin. A few outliers do not shift the threshold.
 
     Raises:
         ValueError: the indicator of a cell is not a number.
@@ -49,13 +48,13 @@ def two_levels(indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell
 
 
 def inner_side(mesh: Mesh, high: Bool[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
-    """The side of a split that meets the border less: the inclusion."""
+    """The inclusion: the side of a split with fewer cells at the border."""
     border = border_cells(mesh)
     return high if high[border].mean() <= (~high)[border].mean() else ~high
 
 
 def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
-    """Split the sheet in two levels; the inclusion is the side that meets the border less, empty where all are alike.
+    """The inclusion from a split of the sheet into two levels; empty if all values are equal.
 
     Raises:
         ValueError: as :func:`two_levels`.
@@ -64,13 +63,13 @@ def find_inclusion(mesh: Mesh, indicator: Float[np.ndarray, " cell"]) -> Bool[np
 
 
 def dice(a, b) -> float:
-    """2 |a and b| / (|a| + |b|); 1 where both are empty."""
+    """2 |a and b| / (|a| + |b|); 1 if both are empty."""
     total = a.sum() + b.sum()
     return float(2.0 * (a & b).sum() / total) if total else 1.0
 
 
 def intersection_over_union(a, b) -> float:
-    """|a and b| / |a or b|; 1 where both are empty."""
+    """|a and b| / |a or b|; 1 if both are empty."""
     union = (a | b).sum()
     return float((a & b).sum() / union) if union else 1.0
 
@@ -90,7 +89,7 @@ def boundary_distance(mesh: Mesh, a, b) -> float:
 
 
 def registered_dice(found, shape, X: Float[np.ndarray, "cell 2"]) -> tuple[float, tuple]:
-    """Best Dice score over small shifts and changes of size of the reference shape.
+    """Best Dice coefficient over small shifts and scalings of the reference shape.
 
     Args:
         found: cells of the found inclusion.
@@ -135,9 +134,8 @@ def most_interior(mesh: Mesh, shape) -> np.ndarray:
 def curve_places(
     mesh: Mesh, shape: Bool[np.ndarray, " cell"], true_shape: Bool[np.ndarray, " cell"] | None
 ) -> Float[np.ndarray, "location 2"]:
-    """Where the curves of the matrix and of the inclusion are drawn, of the true phases where there are two.
-
-    No place of an inclusion where none was found: NaN.
+    """Positions of the curves of matrix and inclusion, from the true phases if there are two. NaN for an inclusion that
+    was not found.
     """
     two = true_shape is not None and true_shape.any() and not true_shape.all()
     places = mesh.centres[most_interior(mesh, true_shape if two else shape)]
@@ -148,12 +146,12 @@ def curve_places(
 
 @dataclass(frozen=True)
 class PrintedShape:
-    """The shape that a specimen was printed with.
+    """The printed shape of a specimen.
 
     Attributes:
         inside: points of the unit square (point, 2) -> 1 in the inclusion and 0 outside.
         corners: lower left and upper right corner of the sheet, in the length unit of the test (2, 2).
-        flipped: whether the cameras saw its other side, upside down.
+        flipped: whether the cameras saw the back of the sheet, upside down.
     """
 
     inside: Callable
@@ -164,7 +162,7 @@ class PrintedShape:
 def score_shape(
     mesh: Mesh, field: Float[np.ndarray, " cell"], shape: Bool[np.ndarray, " cell"], true_shape
 ) -> Judgement:
-    """How much stiffer the found inclusion is, and how well it covers the true or printed one, None if unknown."""
+    """Ratio of the stiffness of inclusion and matrix, and overlap with the true or printed shape (None if unknown)."""
     summary, variables = {}, {}
     if shape.any() and not shape.all():
         summary["inclusion_over_matrix"] = float(field[shape].mean() / field[~shape].mean())

@@ -1,4 +1,4 @@
-"""How uncertain a constrained field says it is, and whether the truth lies as far from it as that."""
+"""Spread of a constrained field, and whether the true error agrees with it."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ def sample_spread(samples: Float[np.ndarray, "posterior_sample cell"]) -> Float[
 
 
 def coverage(error: Float[np.ndarray, " cell"], spread: Float[np.ndarray, " cell"], spreads: float = 2.0) -> float:
-    """Share of the cells whose error is within so many standard deviations; 0.954 of a Gaussian are within two."""
+    """Share of the cells whose error is within a number of standard deviations; 0.954 for a Gaussian and two."""
     return float(np.mean(np.abs(error) <= spreads * spread))
 
 
@@ -32,7 +32,7 @@ class Samples:
 
     @classmethod
     def of(cls, constrained: xr.Dataset, X: Float[np.ndarray, "cell 2"], kind: str, stretch: float) -> "Samples | None":
-        """Those of an opened file of a constrained field at the cell centres; None where it has no samples.
+        """Samples in an opened file of a constrained field, at the cell centres; None without samples.
 
         Args:
             kind, stretch: of the load, as in :func:`~hypernode.evaluation.probes.indicator`.
@@ -46,7 +46,7 @@ class Samples:
 
     @property
     def deviations(self) -> Float[np.ndarray, "posterior_sample cell"]:
-        """Of the samples from the field, over its median."""
+        """Deviations of the samples from the field, over the median of the field."""
         return (self.values - self.best) / np.nanmedian(self.best)
 
 
@@ -58,16 +58,16 @@ def interface_spread(
 ) -> Float[np.ndarray, " cell"]:
     """Standard deviation of a field at the centre of a cell that an interface may cut, zero in all other cells.
 
-    Cells on both sides of a contour may be cut. What is found of a cut cell is the mean over its two parts; at its
-    centre is one or the other. Where all shares of the parts are equally likely, the two differ by the jump over the
-    root of twelve, root mean square. The jump is that between the medians of the phases. Where lines are known,
-    :func:`open_share_of_lines` says how far each cell is open.
+    Cells on both sides of a contour may be cut. The identified value of a cut cell is the mean over its two parts,
+    while its centre has one or the other. If all area shares are equally likely, the root mean square difference is the
+    jump over the root of twelve. The jump is taken between the medians of the phases. For known lines
+    :func:`open_share_of_lines` gives the uncertainty of each cell.
 
     Args:
         mesh: cells of the measured grid.
         phase: number of the phase of each cell.
-        field: what jumps between them.
-        open_share: mean square of what is open at the centre of a cell, over the square of the jump.
+        field: quantity that jumps between them.
+        open_share: variance at the centre of a cell over the square of the jump.
     """
     pairs = mesh.touching()
     _, number = np.unique(phase, return_inverse=True)
@@ -84,7 +84,7 @@ def spread_of_cut_cells(
     field: Float[np.ndarray, " cell"],
     constrained: xr.Dataset | None,
 ) -> Float[np.ndarray, " cell"]:
-    """:func:`interface_spread`, by the lines of a constrained field where it has them.
+    """:func:`interface_spread`, with the lines of a constrained field if it has any.
 
     Args:
         mesh, phase, field: as of :func:`interface_spread`.
@@ -96,9 +96,9 @@ def spread_of_cut_cells(
 
 
 def open_share_of_lines(constrained: xr.Dataset) -> Float[np.ndarray, " cell"]:
-    """p (1 - p) for the odds p that the centre of a cell is on the other side of the line that is nearest to it.
+    """p (1 - p), with p the probability that the centre of a cell is on the other side of the nearest line.
 
-    The place of a line is normal about where it was found.
+    The position of a line is normally distributed about the identified one.
     """
     corners = constrained["interface_distance"].values[:, constrained["cells"].values]
     nearest = np.abs(corners.mean(axis=2)).min(axis=0)
@@ -114,8 +114,8 @@ def score_spread(
     Args:
         samples: of the posterior.
         true: the true indicator, where it is known.
-        interfaces: what interfaces that cut cells leave open beside it, of :func:`interface_spread`, and what is not
-            seen of the sheet.
+        interfaces: further uncertainty from cut cells (:func:`interface_spread`) and from the unmeasured part of the
+            sheet.
     """
     spread = np.hypot(sample_spread(samples.values), interfaces)
     summary = {"spread": float(np.sqrt(np.mean(spread**2) / np.mean(samples.best**2)))}

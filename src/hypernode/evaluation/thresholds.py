@@ -1,19 +1,19 @@
-"""Numbers beyond which the criteria of a verdict warn and fail."""
+"""Limits beyond which the criteria of a verdict warn and fail."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Threshold:
-    """Numbers beyond which a criterion warns and fails."""
+    """Limits beyond which a criterion warns and fails."""
 
     warn: float
     fail: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Every threshold of a verdict. They follow from what a number means, and not from any case."""
+    """Every threshold of a verdict. Each follows from the meaning of its number, and from no single case."""
 
     #: Standard deviations of the misfit of displacements that chance makes: beyond three once in 700 runs.
     chance: float = 3.0

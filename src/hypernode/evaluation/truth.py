@@ -1,4 +1,4 @@
-"""How far the identified stress is from that of the true material, when both undergo the same deformation."""
+"""Error of the identified stress against the true material, both at the same deformation."""
 
 import numpy as np
 import scipy.sparse
@@ -20,7 +20,7 @@ SAMPLES = 10
 
 
 def observed_mode(kind: str) -> int:
-    """Index in :data:`MODES` of the homogeneous deformation that is closest to a kind of load."""
+    """Index in :data:`MODES` of the homogeneous deformation closest to a kind of load."""
     axis = tensile_axis(kind)
     if axis is not None:
         return MODES.index(("strip_x", "strip_y")[axis])
@@ -28,7 +28,7 @@ def observed_mode(kind: str) -> int:
 
 
 def interface_band(mesh: Mesh, inside: Bool[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
-    """Cells with a node that belongs to cells of both sides."""
+    """Cells that share a node with cells of the other phase."""
     touched = np.zeros((2, len(mesh.nodes)), dtype=bool)
     for side in range(2):
         touched[side, mesh.cells[inside == bool(side)].ravel()] = True
@@ -38,7 +38,7 @@ def interface_band(mesh: Mesh, inside: Bool[np.ndarray, " cell"]) -> Bool[np.nda
 def cell_means(
     truth, true: Material, mesh: Mesh, F: Float[np.ndarray, "mode stretch 2 2"]
 ) -> Float[np.ndarray, "mode stretch cell 2 2"] | None:
-    """True P at common F averaged over each cell of a grid that is not the truth's own, or None where it is.
+    """True P at common F averaged over each cell, or None if the grid is that of the truth.
 
     Args:
         truth, true: file of the true material, and the material itself.
@@ -85,7 +85,7 @@ def means_where_cut(found: Material, mesh: Mesh, cut: Bool[np.ndarray, " cell"],
 
 
 def cut_by_lines(constrained) -> Bool[np.ndarray, " cell"]:
-    """Cells of a constrained field that a line cuts; none where it has no lines."""
+    """Cells of a constrained field that a line cuts; none for a field without lines."""
     lines = lines_of(constrained)
     return np.zeros(constrained.sizes["cell"], bool) if lines is None else cut_cells(lines["line_distances"])
 
@@ -136,11 +136,11 @@ def score_stress(
 
 
 def worst_cells(P, P_true, areas: Float[np.ndarray, " cell"], count: int) -> Bool[np.ndarray, " cell"]:
-    """The cells that make up most of an error, all stretches together.
+    """The cells that contribute most to an error, over all stretches.
 
     Args:
         P, P_true: stresses (stretch, cell, 2, 2).
-        count: how many; all cells but one where a sheet has no more.
+        count: how many, at most all cells but one.
     """
     size = areas * ((P - P_true) ** 2).sum(axis=(0, 2, 3))
     worst = np.zeros(len(areas), bool)
@@ -149,9 +149,10 @@ def worst_cells(P, P_true, areas: Float[np.ndarray, " cell"], count: int) -> Boo
 
 
 def score_networks(P, P_constrained, areas: Float[np.ndarray, " cell"]) -> Judgement:
-    """The networks against the constrained field that they learnt, all together and by the worst cell.
+    """Error of the networks against the constrained field that they learnt: total, and in the worst cell.
 
-    Stresses are those of the observed mode (stretch, cell, 2, 2); the error of a cell is over the mean size of all.
+    Stresses are those of the observed mode (stretch, cell, 2, 2). The error of a cell is over the mean stress of all
+    cells.
     """
     size = np.sqrt(np.einsum("scij,c->", P_constrained**2, areas / areas.sum()))
     missed = np.sqrt(((P - P_constrained) ** 2).sum(axis=(0, 2, 3)))

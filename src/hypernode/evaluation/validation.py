@@ -1,4 +1,4 @@
-"""The identified field in a finite-element computation of loads that were not in the test, against the true one."""
+"""Finite-element computation of unseen loads with the identified field, compared with the true one."""
 
 import sys
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from hypernode.synthetic.forward import resultants
 
 @dataclass(frozen=True)
 class Response:
-    """What a sheet does under several loads, whose steps follow one another; NaN for a load without equilibrium.
+    """Response of a sheet to several loads, their steps in one sequence; NaN for a load without equilibrium.
 
     Attributes:
         u: displacement.
@@ -33,7 +33,7 @@ class Response:
 def identified_sheet(
     mesh: Mesh, node: NodeMaterial, node_params: Float[np.ndarray, "cell parameter"]
 ) -> EquilibriumSolver:
-    """The sheet whose cells are of the identified material."""
+    """The sheet with the identified material in its cells."""
     return EquilibriumSolver(
         mesh,
         lambda F, p: node_stress(node, F[..., None], p["node"][:, None])[..., 0],
@@ -42,7 +42,7 @@ def identified_sheet(
 
 
 def respond(solver: EquilibriumSolver, loads: Sequence[Load], progress: Progress) -> Response:
-    """Solve every load, and say on the standard error which has no equilibrium."""
+    """Solve every load; a message on standard error names a load without equilibrium."""
     u, forces = [], []
     for load in loads:
         try:
@@ -61,7 +61,7 @@ def respond(solver: EquilibriumSolver, loads: Sequence[Load], progress: Progress
 def worst_error(
     found: Float[np.ndarray, "step ..."], true: Float[np.ndarray, "step ..."], load_case: Int[np.ndarray, " step"]
 ) -> float:
-    """Relative L2 error over all steps of a load, the largest of all loads; NaN where one has no equilibrium."""
+    """Relative L2 error over all steps of a load, the largest of all loads; NaN if a load has no equilibrium."""
     errors = [
         np.linalg.norm(found[load_case == k] - true[load_case == k]) / np.linalg.norm(true[load_case == k])
         for k in range(load_case.max() + 1)
@@ -70,7 +70,7 @@ def worst_error(
 
 
 def compare(found: Response, true: Response, load_case: Int[np.ndarray, " step"]) -> dict[str, float]:
-    """Summary of a validation: worst errors, and how many loads have no equilibrium with one of the materials."""
+    """Summary of a validation: worst errors, and the number of loads without equilibrium."""
     without = np.isnan(found.u + true.u).any(axis=(1, 2))
     return {
         "unseen_displacement_error": worst_error(found.u, true.u, load_case),

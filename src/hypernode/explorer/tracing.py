@@ -25,7 +25,7 @@ _SAME = {"add_any": "add"} | {name: name for name in (*TEXT, *FUNCTIONS) if name
 
 
 @dataclass(frozen=True)
-class Law:
+class TracedLaw:
     """A law as text.
 
     Attributes:
@@ -43,7 +43,7 @@ class Law:
         return f"(F,p)=>{{let {declared};\nreturn[{','.join(self.results)}]}}"
 
 
-def trace(stress, params) -> Law:
+def trace(stress, params) -> TracedLaw:
     """The text of a law.
 
     Args:
@@ -63,7 +63,7 @@ def trace(stress, params) -> Law:
         first += leaf.size
     (P,) = _Interpreter(formulas).run(closed.jaxpr, closed.consts, inputs)
     lines, results = formulas.statements(P.ravel().tolist())
-    return Law(tuple(lines), tuple(results))
+    return TracedLaw(tuple(lines), tuple(results))
 
 
 class _Interpreter:

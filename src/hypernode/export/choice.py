@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from hypernode.export.curves import Curves, stacked
 from hypernode.export.fitting import Fit, fit, law_components
-from hypernode.export.laws import LAWS, Law
+from hypernode.export.laws import LAWS, ExportedLaw
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Candidate:
         criterion: Schwarz's (1978), chi^2 + (number of parameters) ln (number of stresses); smaller is better.
     """
 
-    law: Law
+    law: ExportedLaw
     params: Float[np.ndarray, " parameter"]
     deviation: Float[np.ndarray, " parameter"]
     misfit: float
@@ -36,7 +36,7 @@ def candidates(curves: list[Curves]) -> list[list[Candidate]]:
     return [sorted(found, key=lambda each: each.criterion) for found in zip(*by_law, strict=True)]
 
 
-def _fitted(law: Law, curves: list[Curves]) -> list[Candidate]:
+def _fitted(law: ExportedLaw, curves: list[Curves]) -> list[Candidate]:
     """A law fitted to every phase from all its starts, of which the best counts."""
     F, stress, noise, stiffness = stacked(curves)
     starts = [law.starts(each) for each in stiffness]
@@ -46,7 +46,7 @@ def _fitted(law: Law, curves: list[Curves]) -> list[Candidate]:
     return [_candidate(law, each, found, index) for each, index in zip(curves, best, strict=True)]
 
 
-def _candidate(law: Law, curves: Curves, found: Fit, index: int) -> Candidate:
+def _candidate(law: ExportedLaw, curves: Curves, found: Fit, index: int) -> Candidate:
     params = found.params[index]
     missed = law_components(law, curves.F, params) - curves.stress
     return Candidate(
@@ -58,7 +58,7 @@ def _candidate(law: Law, curves: Curves, found: Fit, index: int) -> Candidate:
     )
 
 
-def _half_turn(law: Law, params):
+def _half_turn(law: ExportedLaw, params):
     """The same with the angle of fibres from -90 to 90 degrees: they have no head."""
     turned = params.copy()
     if "fibre_angle" in law.names:

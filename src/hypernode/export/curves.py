@@ -19,7 +19,7 @@ AMPLITUDES = 64
 SMALL = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Curves:
     """The stresses of a phase in some deformations.
 
@@ -103,7 +103,13 @@ def _curves(run: Run, phase: int, cells, area) -> Curves:
     F = np.concatenate(F)
     by_cell = _stress(run.material, run.mesh.centres[cells], F)
     return Curves(
-        int(phase), cells, float(area[cells].sum() / area.sum()), tuple(modes), F, by_cell, _deviations(run, cells, F)
+        phase=int(phase),
+        cells=cells,
+        share=float(area[cells].sum() / area.sum()),
+        modes=tuple(modes),
+        F=F,
+        by_cell=by_cell,
+        deviations=_deviations(run, cells, F),
     )
 
 

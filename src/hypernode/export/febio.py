@@ -13,7 +13,7 @@ from jaxtyping import Float
 from hypernode.export.choice import Candidate
 from hypernode.export.curves import Curves, stacked
 from hypernode.export.fitting import fit
-from hypernode.export.laws import Law
+from hypernode.export.laws import ExportedLaw
 from hypernode.export.run import Run
 
 #: Bulk modulus of a nearly incompressible solid over its shear modulus.
@@ -77,7 +77,7 @@ def febio_files(run: Run, laws: list[tuple[Curves, list[Candidate]]]) -> dict[st
     return {"sheet.feb": ET.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"}
 
 
-def common_law(laws: list[tuple[Curves, list[Candidate]]]) -> Law:
+def common_law(laws: list[tuple[Curves, list[Candidate]]]) -> ExportedLaw:
     """The law that FEBio has and that is the best for all phases together."""
     total: dict[str, float] = {}
     for _, found in laws:
@@ -87,7 +87,7 @@ def common_law(laws: list[tuple[Curves, list[Candidate]]]) -> Law:
     return next(each.law for each in laws[0][1] if each.law.name == best)
 
 
-def cell_parameters(run: Run, law: Law, laws) -> dict[str, Float[np.ndarray, " cell"]]:
+def cell_parameters(run: Run, law: ExportedLaw, laws) -> dict[str, Float[np.ndarray, " cell"]]:
     """{parameter: value of every cell} of a law, fitted to the stresses of each cell from what its phase has."""
     F, _, noise, stiffness = stacked([curves for curves, _ in laws])
     count = len(run.mesh.cells)
@@ -101,7 +101,7 @@ def cell_parameters(run: Run, law: Law, laws) -> dict[str, Float[np.ndarray, " c
     return dict(zip(law.names, params.T, strict=True))
 
 
-def _remark(run: Run, law: Law) -> str:
+def _remark(run: Run, law: ExportedLaw) -> str:
     units = run.material.units
     remark = (
         f" {run.name}, written by hypernode: {law.name}, W = {law.formula}, fitted in every element. "
@@ -112,7 +112,7 @@ def _remark(run: Run, law: Law) -> str:
     return remark.replace("--", "- -")
 
 
-def _material(root, law: Law, parameters) -> None:
+def _material(root, law: ExportedLaw, parameters) -> None:
     translation = TRANSLATIONS[law.name]
     material = ET.SubElement(ET.SubElement(root, "Material"), "material", id="1", name=PART, type=translation.type)
     for name in translation.parameters(parameters):
@@ -136,7 +136,7 @@ def _mesh(root, run: Run) -> None:
         ET.SubElement(elements, "elem", id=str(number)).text = ",".join(map(str, corners))
 
 
-def _maps(root, law: Law, parameters) -> None:
+def _maps(root, law: ExportedLaw, parameters) -> None:
     data = ET.SubElement(root, "MeshData")
     for name, values in TRANSLATIONS[law.name].parameters(parameters).items():
         entry = ET.SubElement(data, "ElementData", name=name, elem_set=PART)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.export.laws import Law
+from hypernode.export.laws import ExportedLaw
 from hypernode.export.numpy_material.api import STEP
 
 #: Most iterations; a fit that still descends then is as good as its misfit says.
@@ -30,14 +30,14 @@ def components(P: Float[np.ndarray, "... 2 2"]) -> Float[np.ndarray, "... 3"]:
 
 
 def law_components(
-    law: Law, F: Float[np.ndarray, "... point 2 2"], params: Float[np.ndarray, "... parameter"]
+    law: ExportedLaw, F: Float[np.ndarray, "... point 2 2"], params: Float[np.ndarray, "... parameter"]
 ) -> Float[np.ndarray, "... point 3"]:
     """:func:`components` of a law's stress."""
     P = law.stress(np.moveaxis(F, (-2, -1), (0, 1)), np.moveaxis(params, -1, 0)[..., None])
     return components(np.moveaxis(P, (0, 1), (-2, -1)))
 
 
-def _linearised(law: Law, F, noise, params):
+def _linearised(law: ExportedLaw, F, noise, params):
     """What a law predicts over the noise (fit, residual), and its derivative by each parameter."""
     value = law_components(law, F, params) / noise
     columns = []
@@ -49,7 +49,7 @@ def _linearised(law: Law, F, noise, params):
 
 
 def fit(
-    law: Law,
+    law: ExportedLaw,
     F: Float[np.ndarray, "fit point 2 2"],
     stress: Float[np.ndarray, "fit point 3"],
     noise: Float[np.ndarray, "fit point 3"],

@@ -36,7 +36,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Law:
+class ExportedLaw:
     """A law: its formula, its parameters and its response.
 
     Attributes:
@@ -101,32 +101,32 @@ def _stress(name: str, start: float, lowest: float = 0.0) -> Parameter:
 
 #: Candidates, the plainest first.
 LAWS = (
-    Law("neo-Hookean", "mu/2 (I1 - 3)", (_stress("mu", 1.0, 1e-6),), neo_hookean),
-    Law(
+    ExportedLaw("neo-Hookean", "mu/2 (I1 - 3)", (_stress("mu", 1.0, 1e-6),), neo_hookean),
+    ExportedLaw(
         "Mooney-Rivlin",
         "C10 (I1 - 3) + C01 (I2 - 3)",
         (_stress("C10", 0.4, 1e-6), _stress("C01", 0.1)),
         mooney_rivlin,
     ),
-    Law(
+    ExportedLaw(
         "compressible neo-Hookean",
         "mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2, with I1 and J of the solid",
         (_stress("mu", 1.0, 1e-6), Parameter("lambda", True, 1e-3, LARGE, (1.0, 30.0))),
         logarithmic_neo_hookean,
     ),
-    Law(
+    ExportedLaw(
         "Demiray",
         "a/(2 b) (exp(b (I1 - 3)) - 1)",
         (_stress("a", 1.0, 1e-6), Parameter("b", False, 1e-3, 1e2, (0.5,))),
         demiray,
     ),
-    Law(
+    ExportedLaw(
         "Yeoh",
         "C10 (I1 - 3) + C20 (I1 - 3)^2 + C30 (I1 - 3)^3",
         (_stress("C10", 0.5, 1e-6), _stress("C20", 0.01, -LARGE), _stress("C30", 0.001)),
         yeoh,
     ),
-    Law(
+    ExportedLaw(
         "Gasser-Ogden-Holzapfel",
         "C10 (I1 - 3) + k1/(2 k2) (exp(k2 <E>^2) - 1), E = kappa (I1 - 3) + (1 - 3 kappa)(I4 - 1)",
         (

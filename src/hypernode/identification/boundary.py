@@ -1,4 +1,4 @@
-"""What is prescribed, free and observed of a sheet in one load step."""
+"""Prescribed, free and observed degrees of freedom of a sheet in one load step."""
 
 from dataclasses import dataclass
 
@@ -20,14 +20,14 @@ class Boundary:
     Attributes:
         mask: which components of which nodes are prescribed (node, 2), on the mesh of the subcells.
         values: their displacement (node, 2).
-        errors: errors of these values (degree of freedom, independent standard normal number); none but edges have any.
+        errors: errors of these values (degree of freedom, independent standard normal number); zero inside the sheet.
         prescribed, free: their degrees of freedom, and all others.
         observed: measured degrees of freedom that are not prescribed, on the measured grid: no lost points. Of pictures
             without points between, those of the mesh that carries their information.
-        observe: matrix from all displacements of the mesh to what the camera sees of the observed ones, over
-            ``relative``. Of pictures as independent numbers, as many as are observed.
-        seen: what the camera saw of them, over ``relative`` as well.
-        relative: error of every observed degree of freedom over that of all; none of pictures without points.
+        observe: matrix from all displacements of the mesh to the observed ones as the camera sees them, over
+            ``relative``. For pictures: as many independent numbers as are observed.
+        seen: measured values of them, over ``relative`` as well.
+        relative: error of every observed degree of freedom over the common one; empty for pictures without points.
     """
 
     mask: np.ndarray
@@ -42,14 +42,14 @@ class Boundary:
 
 
 def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:
-    """That of a load step.
+    """The boundary of a load step.
 
     Args:
         u: measured displacement (node, 2), NaN where it was lost.
         prescribed: which components of which edges are (edge, 2).
         noise: standard deviation of prescribed points, by component.
         relative: error of every point and component over that of all (node, 2).
-        seen: matrix from displacements of the mesh to what the camera sees of all points of the grid.
+        seen: matrix from displacements of the mesh to those of all points of the grid as the camera sees them.
     """
     edges = _kept_from_drifting(grid, u, prescribed_displacement(grid, u, prescribed, noise), noise)
     between = refinement.interpolation

@@ -1,4 +1,4 @@
-"""What a camera makes of a displacement field: it is averaged or fitted over its correlation window, at every node."""
+"""A displacement field as a camera sees it: averaged or fitted over a correlation window at every node."""
 
 import numpy as np
 import scipy.sparse
@@ -13,7 +13,7 @@ _GAUSS = 1.0 / np.sqrt(3.0)
 def line_average(x: np.ndarray, width: float) -> scipy.sparse.csr_matrix:
     """Average of the piecewise linear interpolant of node values over ``width`` around every node.
 
-    Beyond the ends the interpolant goes on antisymmetrically, so that a linear field stays what it is.
+    Beyond the ends the interpolant is continued antisymmetrically, so a linear field is reproduced.
 
     Args:
         x: increasing coordinates (node,).
@@ -64,12 +64,11 @@ def _continued(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def window_average(mesh: Mesh, width: float, kernel: str = "average") -> scipy.sparse.csr_matrix:
-    """Matrix that takes nodal displacements, flattened (node, i), to what is seen through the window.
-
-    Where the window holds a grid point that was lost, or a hole, the node is taken as it is.
+    """Matrix from nodal displacements, flattened (node, i), to those seen through the window. A node whose window
+    contains a lost point or a hole is not averaged.
 
     Args:
-        width: side of the window; 0 where nothing is lost by it.
+        width: side of the window; 0 means no averaging.
         kernel: ``average``, or ``quadratic`` for the middle of 1, x, y, x^2, x y, y^2 fitted over the window.
     """
     if width == 0.0:

@@ -1,13 +1,13 @@
-"""Which of several candidates is kept, and why the others are not."""
+"""Selection of one candidate, and the reasons against the others."""
 
 from hypernode.identification.estimate import Estimate
 
 
 def likeliest(*tried: Estimate) -> Estimate:
-    """The most probable of some estimates; the first of several alike.
+    """The most probable estimate; the first of several equal ones.
 
-    One that does not explain the test, or explains its noise as well, is kept only where there is no other. The trace
-    of the one that is kept says why the others were not.
+    An estimate that does not explain the test, or that has fitted its noise, is chosen only without an alternative. The
+    trace of the chosen one has the reasons against the others.
     """
     best = min(tried, key=lambda each: (each.unexplained > 1.0 or each.overfitted, each.information_criterion))
     for other in tried:
@@ -17,7 +17,7 @@ def likeliest(*tried: Estimate) -> Estimate:
 
 
 def reason_against(other: Estimate, best: Estimate) -> str:
-    """Why one estimate is passed over for another, in words."""
+    """Why one estimate is rejected in favour of another, in words."""
     if other.unexplained > 1.0 >= best.unexplained:
         return "does not explain the test"
     if other.overfitted and not best.overfitted:

@@ -1,8 +1,8 @@
 """Which phase every cell along a contour belongs to: the best labels of a quadratic model of the misfit.
 
-A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. Changes
-of many cells add, and the materials of the phases follow. So the misfit is a quadratic form of binary numbers. Single
-cells and pairs of neighbours change as long as that lowers the cost.
+A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. To
+first order the changes of many cells add, with the materials of the phases adjusted. The misfit is then a quadratic
+form of binary variables. Single cells and pairs of neighbours change as long as the cost falls.
 """
 
 from dataclasses import dataclass

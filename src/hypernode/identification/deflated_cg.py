@@ -1,9 +1,9 @@
-"""Conjugate gradients for a sequence of systems, each of which makes the next one easier.
+"""Conjugate gradients for a sequence of similar systems, with deflation.
 
 From one Gauss-Newton step to the next the systems change little. A few directions make every solve slow: long waves of
 the stiffness, and valleys between the terms. The preconditioner misses their curvature by orders of magnitude. Every
-solve meets them among its search directions. The worst are kept, and the next solve treats them exactly
-(deflation: Nicolaides 1987; Saad, Yeung, Erhel and Guyomarc'h 2000).
+solve finds them among its search directions. The worst are kept, and the next solve treats them exactly (Nicolaides
+1987; Saad, Yeung, Erhel and Guyomarc'h 2000).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -63,7 +63,7 @@ def _combined(vectors, scale, combinations) -> Float[np.ndarray, "n combination"
 
 
 def worst_combinations(directions, products, metric, kept: int):
-    """What a preconditioner misses most in the span of some directions (Rayleigh and Ritz).
+    """Directions that a preconditioner treats worst in a given span (Rayleigh and Ritz).
 
     Args:
         directions: vectors (n,).
@@ -90,7 +90,7 @@ def worst_combinations(directions, products, metric, kept: int):
 
 
 class SearchDirections:
-    """What a solve remembers of its search: directions and the matrix times each of them.
+    """Search directions of a solve, and the matrix times each of them.
 
     Args:
         metric: the matrix that the preconditioner inverts.

@@ -1,4 +1,4 @@
-"""What residuals of a test share: errors of prescribed edges in each step, of load cells in all of them.
+"""Covariance of the residuals of a test: errors of prescribed edges in each step, of load cells in all steps.
 
 Residuals are displacements over their uncertainty, then forces, of one step after the other. Their covariance is
 
@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 
 class EdgeAnswers(NamedTuple):
-    """How the residuals of a step answer to independent errors of its prescribed edges.
+    """Derivative of the residuals of a step by independent errors of its prescribed edges.
 
     Attributes:
         u: displacements that are observed (displacement, error).
@@ -98,7 +98,7 @@ class SharedErrors:
         return curvature - by_loads @ solved[:, :-1], gradient - by_loads @ solved[:, -1]
 
     def white(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Residuals of each step as independent ones of unit variance; what load cells share stays in them."""
+        """Residuals of each step, transformed to unit variance; correlation by load cells remains."""
         found = []
         for k, r in enumerate(residuals):
             answers = self.answers[k]

@@ -1,4 +1,4 @@
-"""A material field that a descent left: how well it explains the test, and how the descent ended."""
+"""The result of a descent: a material field, its misfits, and how the descent ended."""
 
 import dataclasses
 import functools
@@ -22,15 +22,15 @@ class Estimate:
 
     Attributes:
         objective: what was minimised.
-        linear: sensitivities at the last linearisation; they know what residuals share.
+        linear: sensitivities at the last linearisation, with the covariance of the residuals.
         params: parameters (cell, parameter).
         states: equilibrium of every load step.
         history: displacement misfit in units of its noise after every step, that of the start first.
-        cost: the whole objective, minus the logarithm of how probable the field is after the test.
+        cost: the whole objective, the negative logarithm of the posterior density.
         ending: how the descent ended.
         step: the last Gauss-Newton step that was tried, or None where none was.
         trial: the record of this candidate, None until it is complete.
-        trace: all candidates that were tried on the way here.
+        trace: all candidates tried before.
     """
 
     objective: Objective
@@ -56,7 +56,7 @@ class Estimate:
 
     @property
     def material_count(self) -> int:
-        """Of how many materials the field is made; none are counted where every cell has its own."""
+        """Number of materials of the field; 0 if every cell has its own."""
         return 0
 
     @property
@@ -66,11 +66,12 @@ class Estimate:
 
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
-        """Parameters of the parts of every measured cell, row by row, whose mean is the cell's stress."""
+        """Parameters of the parts of every measured cell, row by row. The stress of the cell is the mean over its
+        parts."""
         return self.params.T[:, self.problem.refinement.subcells.T]
 
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
-        """:attr:`by_parts` of fields that the test cannot tell from this one."""
+        """:attr:`by_parts` of posterior samples."""
         deflation = self.step and self.step.deflation
         samples = self.objective.posterior_samples(self.linear, self.params, count, seed, deflation)
         samples = self.params + self.understated * (samples - self.params)
@@ -78,10 +79,9 @@ class Estimate:
 
     @property
     def understated(self) -> float:
-        """By what factor uncertainties are too small, as forces tell that are missed by more than chance.
-
-        Which of them is too small is not known: a law that is not the sheet's misses forces and stresses alike. The
-        factor is that of Birge (The calculation of errors by the method of least squares, 1932).
+        """Factor by which all uncertainties are enlarged if forces are missed by more than chance.
+        The source of the excess is unknown: a wrong law misses forces and stresses alike. The factor is Birge's (The
+        calculation of errors by the method of least squares, 1932).
         """
         forces, number = self.misfits["force"], max(len(self.problem.forces), 1)
         # The mean square of so many is known to the root of two over their number.
@@ -91,7 +91,7 @@ class Estimate:
     def misfits(self) -> dict[str, float]:
         """Root mean square misfits by name: of displacements over their scatter, of forces over their uncertainty.
 
-        A descent weighs displacements by larger errors where points or steps share them, and its history is over those.
+        If points or steps share errors, a descent uses larger errors of the displacements. Its history refers to these.
         """
         displacement = float(self.history[-1]) / self.problem.observations.scatter
         return {"displacement": displacement, "force": self.objective.force_misfit(self.states, self.linear)}
@@ -106,7 +106,7 @@ class Estimate:
 
     @property
     def unexplained(self) -> float:
-        """The larger of the two misfits, as they are weighed, over what is still explained: beyond one, it is not."""
+        """The larger of the two weighted misfits over its limit; above one the test is not explained."""
         strategy, forces = self.problem.strategy, self.misfits["force"]
         # Forces across the pull are nearly zero, and uncertain by any share of themselves.
         relative = [force.sigma / abs(force.value) for force in self.problem.forces if force.value]
@@ -117,13 +117,13 @@ class Estimate:
 
     @functools.cached_property
     def effective_parameters(self) -> float:
-        """How many numbers of the field noisy displacements determine; none are counted without noise."""
+        """Number of parameters of the field that noisy displacements determine; 0 without noise."""
         if self.linear is None or not self.problem.noisy:
             return 0.0
         return self.objective.effective_parameters(self.linear, self.params, self.step and self.step.deflation)
 
     def answers(self, curvature: Callable) -> NormalEquations:
-        """How the cells answer to loads.
+        """Solver for the linear response of the cells.
 
         Args:
             curvature: x -> J^T J x of the data that hold them.
@@ -152,7 +152,7 @@ class Estimate:
 
     @property
     def places(self) -> float:
-        """Logarithm of the number of places where an interface might be; cells of their own have none."""
+        """Logarithm of the number of possible interfaces; 0 for free cells."""
         return 0.0
 
     def recorded(self, move: str, start: "Estimate | None" = None) -> "Estimate":
@@ -175,20 +175,21 @@ class Estimate:
         return dataclasses.replace(self, trial=trial, trace=(before | self.trace).with_trial(trial))
 
     def instead_of(self, *others: "Estimate", because: str) -> "Estimate":
-        """The same, with what was tried for other estimates and why these were passed over."""
+        """This estimate, with the trace of other estimates and the reasons against them."""
         trace = functools.reduce(Trace.__or__, [*(each.trace for each in others), self.trace])
         return dataclasses.replace(self, trace=trace.passed_over({each.trial: because for each in others}))
 
     @property
     def data_share(self) -> float:
-        """Share of the cost that misfits make up: all that further terms could take away."""
+        """Part of the cost due to misfits, the most that further terms could remove."""
         return self.objective.misfits(self.states, self.problem.sigma, self.linear) / self.cost
 
     @property
     def excess(self) -> float:
-        """How much more of noisy displacements is left than their noise, in standard deviations of that by chance.
+        """Excess of the residual of noisy displacements over their noise, in standard deviations.
 
-        By chance of the errors, whose number is large, and of the level of noise, which is known as far as it is.
+        The standard deviation combines the sampling error of the root mean square with the uncertainty of the noise
+        level.
         """
         if not self.problem.noisy:
             return 0.0
@@ -197,20 +198,20 @@ class Estimate:
 
     @property
     def overfitted(self) -> bool:
-        """Whether less of noisy displacements is left than their noise ever leaves: noise is explained as well."""
+        """Whether the residual of noisy displacements is smaller than noise allows, so noise was fitted."""
         return self.excess < -self.problem.strategy.never_so_little
 
     @property
     def underfitted(self) -> bool:
-        """Whether no field of these terms explains the test, as far as this one tells."""
+        """Whether the misfit is too large for any field of these terms to explain the test."""
         strategy = self.problem.strategy
         much = self.excess > strategy.never_by_chance if self.problem.noisy else self.data_share > strategy.much_left
         return self.unexplained > 1.0 or much
 
     def without_sensitivities(self) -> "Estimate":
-        """The same without what takes most of its memory."""
+        """This estimate without its sensitivities, which take most of its memory."""
         return dataclasses.replace(self, linear=None, step=None)
 
     def after(self, *earlier: "Estimate") -> "Estimate":
-        """The same with the history of the descents that led to its start before its own."""
+        """This estimate with the history of the preceding descents before its own."""
         return dataclasses.replace(self, history=np.concatenate([*(each.history for each in earlier), self.history]))

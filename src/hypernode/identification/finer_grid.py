@@ -1,4 +1,4 @@
-"""Materials and lines that a coarser grid told, on the grid that was measured."""
+"""Transfer of materials and lines from a coarser grid to the measured one."""
 
 import dataclasses
 
@@ -15,7 +15,7 @@ SIDES = 2.0
 
 
 def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_window: bool) -> Candidate | None:
-    """The candidate of a coarser grid, descended from there; None without equilibrium.
+    """The candidate of a coarser grid after a descent on the measured grid; None without equilibrium.
 
     Points of lines stay as far apart as on the coarser grid.
 

@@ -1,4 +1,4 @@
-"""Forces that no hyperelastic sheet can have given, once its mean deformation is known."""
+"""Check of the forces against hyperelastic materials at the mean deformation of the sheet."""
 
 from collections.abc import Callable
 
@@ -10,13 +10,12 @@ from hypernode.identification.problem import FieldProblem
 
 
 class ImpossibleForcesError(ExpectedError, RuntimeError):
-    """The forces of a load case are those of no sheet; the message says which and what was seen."""
+    """No material explains the forces of a load case; the message names the load case and the misfit."""
 
 
 def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained, name: str) -> None:
-    """Refuse forces whose course over the load steps no homogeneous material comes near.
-
-    The materials become richer, neo-Hookean, all terms, further ones, until one does.
+    """Refuse forces that no homogeneous material follows over the load steps.
+    Richer materials are tried until one follows: neo-Hookean, then all terms, then further ones.
 
     Args:
         problem_of: problem with some terms of the basis.
@@ -24,7 +23,7 @@ def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained,
         name: case, for the message.
 
     Raises:
-        ImpossibleForcesError: none does.
+        ImpossibleForcesError: no material follows them.
     """
     first = [term for term in settings.terms if term == "J"]
     richer = (first, settings.terms, [*settings.terms, *settings.further_terms])

@@ -21,10 +21,10 @@ class IdentificationError(ExpectedError, RuntimeError):
 
 
 def first_field(problem: FieldProblem, before: Estimate | None):
-    """(parameters by cell, where the ridge pulls them, guesses of the states) of a descent, which may follow another.
+    """(parameters by cell, centre of the ridge, guesses of the states) for a descent, which may follow another.
 
-    Fibres that no force tells of have no gradient at zero, so they begin a little above. The ridge prefers none, so
-    they vanish where the data say nothing of them.
+    Fibres have no gradient at zero stiffness, so they begin slightly above. The ridge is centred at zero, so they
+    vanish where the data do not determine them.
     """
     names, cells = problem.basis.names, len(problem.mesh.cells)
     smallest = problem.strategy.smallest_fibre
@@ -57,7 +57,7 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
 
 
 def objective_at_end(problem: FieldProblem, settings: Constrained, centre) -> Objective:
-    """What the last descent to a field minimised when it ended; ``centre`` as of a descent."""
+    """The objective at the end of the last descent to a field; ``centre`` as in a descent."""
     objective = _objective(problem, settings, centre, settings.jump_scale)
     return dataclasses.replace(objective, jump_cost=_last_cost(problem, settings, sharpen=problem.sharp))
 
@@ -78,14 +78,14 @@ def descend(
 ) -> Estimate:
     """The parameter field whose equilibrium is closest to the data, and its states.
 
-    Displacements are weighted by the larger of their noise and their present misfit, so that early
-    iterations, far from the solution, are not ruled by the last digit.
+    Displacements are weighted by the larger of their noise and their present misfit. Early iterations, far from the
+    solution, are then not dominated by small residuals.
 
     Args:
         settings: configuration of the stage.
         name: case, for progress and messages.
-        before: what a descent found with these terms or fewer, on this mesh or on a coarser one, to begin from; the
-            homogeneous sheet without it.
+        before: start, the result of a descent with these terms or fewer, on this mesh or a coarser one. The homogeneous
+            sheet if left out.
         tolerance: decrease of the cost in one iteration, over the cost of noise, at which it ends once the data are
             explained.
         move: what is tried, in words, for the record.

@@ -1,4 +1,4 @@
-"""A property that changes gradually over a sheet: splines with a penalty on how they bend.
+"""A property that changes gradually over a sheet: splines with a penalty on their second differences.
 
 The logarithm of a factor is a tensor product of cubic B-splines. Second differences of neighbouring coefficients cost
 their square (Eilers and Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11, 1996).
@@ -28,7 +28,7 @@ class Splines:
     Attributes:
         fine, grid: values in the cells of the finite elements and of the measured grid, by coefficient (cell, spline).
         held: inverse covariance of the coefficients without data (spline, spline).
-        bend: usual second difference of neighbouring coefficients.
+        bend: expected second difference of neighbouring coefficients.
     """
 
     fine: scipy.sparse.csr_matrix
@@ -47,7 +47,7 @@ class Splines:
         return cls(_values(fine, grid, counts), _values(grid, grid, counts), held.tocsr(), bend)
 
     def fitted(self, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " spline"]:
-        """Coefficients whose values in the cells of the grid are about the given ones."""
+        """Coefficients of the penalised fit to values in the cells of the grid."""
         return scipy.sparse.linalg.spsolve((self.grid.T @ self.grid + self.held).tocsc(), self.grid.T @ values)
 
 

@@ -1,4 +1,4 @@
-"""The homogeneous material from which a descent begins, and how well one material of the basis follows the forces."""
+"""The homogeneous start of a descent, and the misfit of the forces with one material of the basis."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -26,9 +26,9 @@ class Homogeneous:
     """One material for the whole sheet.
 
     Attributes:
-        params: parameters of the basis (parameter,), fitted to all load cases, the plainest that do.
-        force_misfit: smallest relative misfit of each load case's mean stresses (load case,) by a fit to it alone. What
-            no material of the basis can follow is an error of the description.
+        params: parameters of the basis (parameter,), fitted to all load cases, with as few terms as needed.
+        force_misfit: smallest relative misfit of each load case's mean stresses (load case,) by a fit to it alone. The
+            rest is an error of the model.
     """
 
     params: Float[np.ndarray, " parameter"]
@@ -40,8 +40,8 @@ def fit_homogeneous(
 ) -> Homogeneous:
     """Fit one material to the mean stresses of the mean deformation.
 
-    Where clamps bend even a homogeneous sheet, what that changes is computed and taken into account. Not where the
-    grid is cut out of a larger sheet: clamps are far.
+    Clamps deform even a homogeneous sheet non-uniformly. This effect is computed and corrected, unless the grid is cut
+    out of a larger sheet and the clamps are far away.
     """
     loading, mean_F = observations.loading, jnp.asarray(observations.mean_F)
     target, known = np.moveaxis(loading.P_average, 0, -1), np.moveaxis(loading.measured, 0, -1)

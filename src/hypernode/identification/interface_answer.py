@@ -1,4 +1,4 @@
-"""The answer of a search for materials and lines: all load steps, with the noise and the window that are left."""
+"""The final estimate of a search for materials and lines: all load steps, with noise and window estimated again."""
 
 import dataclasses
 
@@ -30,8 +30,8 @@ NOISE_KNOWN = 1.1
 def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEstimate | None:
     """The estimate of a candidate for all load steps; None where one of them has no equilibrium.
 
-    What is left and differs from step to step is noise. What is left and is the same in all steps is what the
-    description misses, up to what finite elements are trusted with.
+    The residual that differs from step to step is noise. The residual common to all steps is a model error, up to the
+    expected discretisation error.
 
     Args:
         kept: the candidate that the search ended with.

@@ -1,4 +1,4 @@
-"""A field of a few materials and lines as an answer: its layers, its uncertainty, and what it leaves."""
+"""A field of a few materials and lines as a result: its laminates, its uncertainty and its residuals."""
 
 import dataclasses
 import functools
@@ -36,7 +36,7 @@ class ReducedEquations:
         self.matrix = columns.T @ self.by_cells + held.toarray()
 
     def solve_columns(self, b, rtol: float, iterations: int):
-        """How the field answers to the columns of ``b`` (cell x parameter, k); neither bound is needed, it is exact."""
+        """Response of the field to the columns of ``b`` (cell x parameter, k), by a direct solve without bounds."""
         return self.columns @ np.linalg.solve(self.matrix, self.columns.T @ b)
 
 
@@ -47,9 +47,9 @@ class InterfaceEstimate(Estimate):
     Attributes:
         field: the materials and the lines.
         moves: how the distances from each line follow when its points move.
-        going: which numbers the data may change: coefficients that are none stay none.
+        going: which parameters are free; coefficients at zero stay zero.
         held: inverse covariance of the numbers without data.
-        left: what displacements leave.
+        left: residuals of the displacements.
         scored: the parts of its score.
     """
 
@@ -72,17 +72,17 @@ class InterfaceEstimate(Estimate):
 
     @property
     def material_count(self) -> int:
-        """How many there are; none where a property changes gradually."""
+        """Number of materials; 0 for a gradual change."""
         return 0 if len(self.field.gradual) else self.field.count
 
     @property
     def labels(self) -> Int[np.ndarray, " cell"]:
-        """The material that has most of every cell."""
+        """Majority material of every cell."""
         return self.field.labels()
 
     @property
     def distances(self) -> Float[np.ndarray, "line node"]:
-        """Distance of every node from the line of each material but the first, positive where it is."""
+        """Signed distance of every node from the line of each material but the first, positive inside the material."""
         return self.field.distances
 
     @property
@@ -92,13 +92,13 @@ class InterfaceEstimate(Estimate):
 
     @functools.cached_property
     def effective_parameters(self) -> float:
-        """How many numbers of materials and lines the data determine."""
+        """Number of parameters of materials and lines that the data determine."""
         whole = self.answers(self.linear.curvature).matrix
         held = self.held.toarray()[np.ix_(self.going, self.going)]
         return float(np.trace(np.linalg.solve(whole, whole - held)))
 
     def answers(self, curvature: Callable) -> ReducedEquations:
-        """How materials and lines answer to loads."""
+        """Solver for the linear response of materials and lines."""
         columns = scipy.sparse.identity(len(self.going), format="csc")[:, np.flatnonzero(self.going)]
         return ReducedEquations(curvature, columns, columns.T @ self.held @ columns)
 
@@ -110,7 +110,7 @@ class InterfaceEstimate(Estimate):
         return params[:, None]
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
-        """Stress of a cell that a line cuts, of layers, less that of the material at its centre; zero elsewhere."""
+        """Stress of a cut cell, a laminate, minus that of the material at its centre; zero elsewhere."""
         of, points = self.field.grid_cells(), Points(self.basis)
         if not len(of.cell):
             return np.zeros(F.shape)
@@ -125,13 +125,13 @@ class InterfaceEstimate(Estimate):
 
     @property
     def line_error(self) -> float:
-        """Standard deviation of the place of a line, in sides of a cell, root mean square; none without lines."""
+        """Root mean square standard deviation of the position of the lines, in cell sides; 0 without lines."""
         first, count = self.field.materials.size, sum(move.shape[1] for move in self.moves)
         half, of_lines = self._half_covariance, np.isin(np.flatnonzero(self.going), np.arange(first, first + count))
         return float(np.sqrt((half[of_lines] ** 2).sum(axis=1).mean())) if of_lines.any() else 0.0
 
     def samples(self, count: int, seed: int) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
-        """Fields that the test tells as little from this one as what it leaves allows, to first order; lines stay."""
+        """Posterior samples to first order, scaled by the residual; the lines are fixed."""
         half = self._half_covariance
         change = np.zeros((len(self.going), count))
         change[np.flatnonzero(self.going)] = half @ np.random.default_rng(seed).normal(size=(half.shape[1], count))

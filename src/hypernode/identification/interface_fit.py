@@ -1,8 +1,7 @@
-"""Materials and lines that explain a test best: damped Gauss-Newton steps of a few numbers.
+"""Fit of materials and lines by damped Gauss-Newton steps with few unknowns.
 
-The numbers are the parameters of all materials and the moves of points of the lines. Where it is sought, the side
-of the window through which a camera sees is one more. Far from the answer, what is left of the displacements weighs as
-their noise.
+The unknowns are the parameters of all materials and the displacements of points of the lines. The side of the
+correlation window may be one more. Far from the solution the residual of the displacements serves as their noise.
 """
 
 import dataclasses
@@ -37,12 +36,12 @@ class Fit:
         steps: numbers of the load steps that count.
         states: equilibrium of every step.
         white: residuals over the believed noise, free of what edges share, by step.
-        left: what displacements leave.
+        left: residuals of the displacements.
         misfit, forces: root mean squares of the residuals of displacements and forces.
         force_squared: squared misfit of the forces, whose errors are shared.
-        cost, prior: half the squared residuals with what numbers cost without data, and the latter.
-        determined: how many numbers the data determine, with displacements as uncertain as what is left of them.
-        of_materials: how many of these are of materials, with lines as they are.
+        cost, prior: half the squared residuals plus the prior, and the prior alone.
+        determined: number of unknowns that the data determine, with the residual as the uncertainty of displacements.
+        of_materials: how many of them belong to materials, with fixed lines.
         window, window_error: side of the window in points, its standard deviation, 0 where it is not sought.
         ending: how the descent ended.
         history: misfit before every step.
@@ -72,7 +71,7 @@ class InterfaceFit:
     Args:
         find_window: whether the side of the window is a number.
         move_lines: whether distances are.
-        settled: whether lines are near their place, so that distances need not be measured anew.
+        settled: whether lines are near their final position, so distances need not be recomputed.
     """
 
     def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True, settled: bool = False):
@@ -126,7 +125,7 @@ class InterfaceFit:
         return self._fit(field, states, ending, history)
 
     def predicted(self, field: Interfaces, guesses, sigma: float) -> float:
-        """What a step would leave of the cost if nothing bent; infinite without equilibrium."""
+        """Cost predicted by the linear model after one step; infinite without equilibrium."""
         if (states := self.test.states(field, guesses)) is None:
             return np.inf
         numbers, shared = self._numbers(field), self.test.shared(states, sigma)

@@ -1,4 +1,4 @@
-"""What displacements leave when a field is fitted: how large it is, and how many independent numbers it is worth."""
+"""Residuals of the displacements after a fit: their size, and their effective number of independent values."""
 
 import dataclasses
 
@@ -17,10 +17,10 @@ class Left:
     """Residuals of a fit.
 
     Attributes:
-        level: root mean square, in units of the believed noise, with what fitted numbers took away put back.
-        neighbours: variance of a mean over neighbours against that of independent errors, one or more.
-        steps: correlation of the same point in different steps, none or more: what a law, a mesh or a reference picture
-            does wrong it does in every step.
+        level: root mean square over the assumed noise, corrected for the number of fitted parameters.
+        neighbours: variance of a mean over neighbours over that of independent errors, at least one.
+        steps: correlation of the same point in different steps, at least zero. Errors of the law, the mesh or the
+            reference picture are the same in every step.
         count: how many residuals there are.
     """
 
@@ -32,22 +32,22 @@ class Left:
 
     @property
     def alike(self) -> bool:
-        """Whether steps leave so much of the same that it is no noise."""
+        """Whether the residuals of different steps agree too well to be noise."""
         return self.steps > NOISE_SHARED
 
     @property
     def inflation(self) -> float:
-        """Factor by which these weigh as less than as many independent ones."""
+        """Number of residuals over the effective number of independent ones."""
         return self.neighbours * (1.0 + (self.number_of_steps - 1) * self.steps)
 
     @property
     def independent(self) -> float:
-        """How many independent numbers the residuals are worth."""
+        """Effective number of independent residuals."""
         return self.count / self.inflation
 
 
 def left_of(grid: Mesh | None, observed, white, determined: float) -> Left:
-    """How the residuals of displacements are shared.
+    """Size and correlation of the residuals of displacements.
 
     Args:
         grid: measured grid; None where no points were observed, whose neighbours might share errors.

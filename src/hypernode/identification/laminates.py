@@ -1,12 +1,12 @@
-"""Cells of two materials in layers, with the derivatives that a descent of interfaces needs.
+"""Laminates of two materials, with the derivatives that a descent of interfaces needs.
 
 The sides of a plane of normal N, of which the first has the share c, deform as
 
 F_A = F + (1 - c) a x N,   F_B = F - c a x N,
 
 with the jump a at which tractions agree, (P_A - P_B) N = 0. The stress is c P_A + (1 - c) P_B (Kabel, Merkert and
-Schneider, Use of composite voxels in FFT-based homogenization, 2015). How the jump follows from everything else is
-eliminated by the implicit function theorem.
+Schneider, Use of composite voxels in FFT-based homogenization, 2015). The dependence of the jump on all other variables
+follows from the implicit function theorem.
 """
 
 from typing import NamedTuple

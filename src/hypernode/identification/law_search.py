@@ -1,4 +1,4 @@
-"""Which terms the law of the materials has, one after the other as long as one pays."""
+"""Search for the terms of the law: one after the other, as long as the score improves."""
 
 from collections.abc import Callable
 
@@ -27,7 +27,7 @@ class LawSearch:
     Args:
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
-        settled: what places of materials do once the law is another one; left out, lines follow.
+        settled: how positions of materials are updated after a change of the law; by default lines are fitted again.
     """
 
     def __init__(
@@ -41,10 +41,10 @@ class LawSearch:
         self._settled = settled or self._lines_again
 
     def end(self, kept: Candidate) -> Candidate:
-        """Terms of the law, one after the other as long as one explains more than it costs; lines follow.
+        """Add terms one after the other as long as the score improves; the lines are fitted again.
 
-        The term that promises most is tried first. Of the others the second is tried where that one does not pay, and
-        all of them where more than noise is left.
+        The term with the largest predicted gain is tried first. If it does not improve the score, the second is tried,
+        and if the residual exceeds noise, all others.
         """
         trials = self._trials
         while not kept.leaves_nothing:

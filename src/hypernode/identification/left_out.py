@@ -1,7 +1,7 @@
-"""The largest load steps, left out and predicted from the others: whether a field holds where it was not fitted.
+"""Prediction of the largest load steps from the others: a test of the law outside the fitted range.
 
-A law that is not the sheet's may follow every step of a test, each with an error of its own sign. Extrapolated from
-the smaller steps to the largest one, it does not.
+A wrong law may follow every step of a test with errors of alternating sign. It fails when it is extrapolated from the
+smaller steps to the largest one.
 
 The field is not identified again. The field that some of the data give is near the one that all gave, and follows
 from one Newton step (Giordano et al., A Swiss army infinitesimal jackknife, 2019). With whitened residuals w and their
@@ -21,13 +21,13 @@ from hypernode.identification.estimate import Estimate
 
 @dataclass(frozen=True)
 class LeftOut:
-    """How well load steps are predicted that were left out.
+    """Prediction errors of load steps that were left out.
 
     Attributes:
         steps: their numbers, the largest one of every load case.
         observed: how many displacements they have.
-        displacement: root mean square error of their displacements over what is expected of it, one by chance. Where
-            the other steps are missed by more than noise, as much is expected of these.
+        displacement: root mean square error of their displacements over what is expected of it, one by chance. If the
+            misfit of the other steps exceeds noise, the same excess is expected here.
         force: the same of their forces, whose correlation counts; None without forces.
     """
 

@@ -1,7 +1,7 @@
-"""Where in a sheet displacements are explained, and where no law of the field explains them.
+"""Local misfit of the displacements, and where it exceeds chance.
 
-A mean over the sheet hides a place. So squares of residuals are averaged around each cell. How large chance makes the
-largest of these means over all of the sheet follows from their distribution.
+A mean over the sheet hides local errors. Squared residuals are therefore averaged around each cell. The limit is the
+value that the largest of these means reaches by chance anywhere in the sheet.
 """
 
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ from hypernode.identification.estimate import Estimate
 
 @dataclass(frozen=True)
 class LocalMisfit:
-    """Misfit of the displacements around every cell, over that of the sheet or over noise, whichever is more.
+    """Misfit of the displacements around every cell, over the larger of noise and the misfit of the whole sheet.
 
     Attributes:
         values: root mean square over the nodes of the cell and of the cells around it, NaN where nothing is observed.
-        unexplained: cells where that is more than chance makes anywhere in a sheet.
+        unexplained: cells whose value exceeds the limit of chance for the whole sheet.
     """
 
     values: Float[np.ndarray, " cell"]
@@ -41,9 +41,9 @@ def around_cells(mesh: Mesh) -> scipy.sparse.csr_matrix:
 
 
 def local_misfit(found: Estimate) -> LocalMisfit | None:
-    """Misfit of the displacements around every measured cell; None where no noise rules them, or none were observed.
+    """Misfit of the displacements around every measured cell; None without noise or without observed displacements.
 
-    Errors that points or steps share are fewer independent ones, by the square of the scatter.
+    Correlated errors count as fewer independent ones, by the square of the scatter.
     """
     problem = found.problem
     observations, strategy = problem.observations, problem.strategy

@@ -1,4 +1,4 @@
-"""What the constrained stage minimises, its Gauss-Newton steps, and the fields that it cannot tell from the best."""
+"""The objective of the constrained stage, its Gauss-Newton steps, and its posterior samples."""
 
 import dataclasses
 from collections.abc import Callable
@@ -16,13 +16,13 @@ from hypernode.identification.settings import STRATEGY, Strategy
 
 
 class Step(NamedTuple):
-    """A damped Gauss-Newton step and what its linear solve says of it.
+    """A damped Gauss-Newton step with results of its linear solve.
 
     Attributes:
         change: of the parameters, flattened.
         gradient_norm: of the objective by the parameters, where it is linearised.
         cg_residual, cg_iterations: where conjugate gradients ended: relative residual, and how many iterations.
-        deflation: what they learned, for the next step's.
+        deflation: directions for the next step.
     """
 
     change: np.ndarray
@@ -37,7 +37,7 @@ def white_residuals(problem: FieldProblem, states, sigma: float, linear: Jacobia
 
     Args:
         sigma: uncertainty of the displacements.
-        linear: the sensitivities that know what residuals share; without them they count as independent.
+        linear: sensitivities with the covariance of the residuals; without them residuals count as independent.
     """
     u, f = problem.residuals(states)
     every = np.concatenate([*(r / sigma for r in u), f])
@@ -50,13 +50,13 @@ def white_residuals(problem: FieldProblem, states, sigma: float, linear: Jacobia
 class Objective:
     """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge.
 
-    Methods that take ``linear``, the sensitivities at some field, whiten residuals by the errors of prescribed edges
-    that it knows; without it they count as independent.
+    Methods with an argument ``linear``, the sensitivities at some field, whiten residuals by the errors of prescribed
+    edges. Without it residuals count as independent.
 
     Attributes:
         problem: the data, and the equilibrium that ties a field to them.
         regulariser, regulariser_weight, jump_cost: what jumps cost.
-        ridge, centre: weight of the squared distance of each parameter from where it would be without data.
+        ridge, centre: weight of the squared distance of each parameter from its prior value ``centre``.
     """
 
     problem: FieldProblem
@@ -90,7 +90,7 @@ class Objective:
         return self.misfits(states, sigma, linear) + regular
 
     def misfits(self, states, sigma: float, linear: Jacobian | None) -> float:
-        """The share of displacements and forces in :meth:`value`."""
+        """The part of :meth:`value` due to displacements and forces."""
         return 0.5 * sum(float(r @ r) for r in self.residuals(states, sigma, linear))
 
     def misfit_gradient(self, states, linear: Jacobian) -> Float[np.ndarray, " parameter"]:
@@ -129,10 +129,10 @@ class Objective:
     def posterior_samples(
         self, linear: Jacobian, params, count: int, seed: int, deflation=None
     ) -> Float[np.ndarray, "posterior_sample cell parameter"]:
-        """Fields that the test tells as little from the best one, where it is linearised, as its noise allows.
+        """Samples of the posterior about the best field, where it is linearised (Laplace's approximation).
 
-        They are samples of the Gaussian with the curvature of the objective there (Laplace's approximation). Each
-        answers to data, jumps and ridge disturbed by as much as they weigh (Papandreou and Yuille 2010).
+        They are drawn from the Gaussian with the curvature of the objective. Each solves the linear system for randomly
+        perturbed data, jumps and ridge (Papandreou and Yuille 2010).
         """
         strategy = self.strategy
         R, _, B = self._jump_roots(params)
@@ -147,11 +147,12 @@ class Objective:
         return np.array(fields)
 
     def effective_parameters(self, linear: Jacobian, params, deflation=None) -> float:
-        """How many numbers of the field the test determines, and not jumps and ridge.
+        """Effective number of parameters: those that the test determines, and not jumps and ridge.
 
-        The trace of J H^-1 J^T, with H the curvature of data, jumps and ridge together (MacKay, Bayesian interpolation,
-        1992). It is known from one vector of random signs (Hutchinson), to the root of twice itself or less, and to
-        less among similar fields, since the signs are the same.
+        It is the trace of J H^-1 J^T, with H the curvature of data, jumps and ridge together (MacKay, Bayesian
+        interpolation, 1992). One vector of random signs estimates it (Hutchinson); the standard error is at most the
+        root of twice the trace. Similar fields are compared with the same signs, which reduces the error of their
+        difference.
 
         Args:
             linear: sensitivities at the field.
@@ -180,15 +181,15 @@ def block_diagonal(blocks: Float[np.ndarray, "cell row column"]) -> scipy.sparse
 class NormalEquations:
     """(J^T J + B^T R^T R B + ridge) x = b, solved for the coordinates y = B x of jumps.
 
-    In these coordinates jumps of one do not depend on those of another. So the solver's metric, which has all jumps,
-    falls into one small matrix a coordinate. By the parameters it would be one large matrix.
+    In these coordinates the penalty on jumps decouples. The preconditioner then consists of one small matrix for each
+    coordinate instead of one large matrix.
 
     Args:
         curvature: x -> J^T J x.
         R: root of the jumps' quadratic form.
         B: one invertible block a cell.
         ridge: by parameter.
-        deflation: what the solve of an earlier system left, or None.
+        deflation: directions from the solve of an earlier system, or None.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a test says of a sheet's displacement: what is prescribed, what was observed, and its noise."""
+"""Displacements of a test: prescribed and observed ones, and their noise."""
 
 from dataclasses import dataclass, replace
 
@@ -40,18 +40,18 @@ class Observations:
     Attributes:
         grid: the measured grid; ``refinement`` divides its cells into subcells.
         loading: what is known about the forces.
-        u: mean of the repeats (step, node, 2), filled in where points were lost; what is filled in is not observed.
-        sigma: standard deviation of u, of noise and finite elements together, root mean square of all.
-        scatter: expected root mean square of u's errors over sigma. It is 1 where errors are independent, and less
-            where points or steps share them, since each is then weighed as a larger one.
-        noisy: whether noise rules: it is the larger of the two, or as large as the other may really be.
+        u: mean of the repeats (step, node, 2), interpolated at lost points, which do not count as observed.
+        sigma: root mean square standard deviation of u, from noise and discretisation together.
+        scatter: expected root mean square error of u over sigma. It is 1 for independent errors, and less for shared
+            errors, which enter sigma as larger independent ones.
+        noisy: whether noise dominates the discretisation error, or may equal it within their uncertainty.
         noise_uncertainty: relative uncertainty of that noise.
-        believed_noise: which noise of the measurement it is.
+        believed_noise: the noise model in use.
         by_points: whether displacements of points were observed, and not grey levels of pictures.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
-        window, kernel: side of the camera's correlation window, 0 without one, and what is seen through it.
-        believed_window: that window, where an identification found it and the measurement states none.
+        window, kernel: side of the camera's correlation window, 0 without one, and its kernel.
+        believed_window: that window if an identification estimated it; None if the measurement states it.
         cut: whether the grid is cut out of a larger sheet.
         largest_stretch: of the test.
         relative_thickness: of every subcell.
@@ -85,16 +85,17 @@ class Observations:
 
     @property
     def noise_deformation(self) -> float:
-        """Deformation that errors of displacements make between neighbouring points, over the largest of the sheet.
+        """Apparent deformation between neighbouring points due to errors of displacements, over the largest of the
+        sheet.
 
-        The gradient at the centre of a cell follows from its four corners. The norm of what independent errors of the
-        size s make of it is 2 s over the side of the cell.
+        The gradient at the centre of a cell follows from its four corners. Independent errors of size s cause a
+        gradient with the norm 2 s over the side of the cell.
         """
         largest = np.linalg.norm(self.mean_F - np.eye(2)[:, :, None], axis=(0, 1)).max()
         return float(2.0 * self.sigma * self.scatter / (grid_step(self.grid) * largest))
 
     def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Observations":
-        """Those of some of the load steps, as uncertain as in the whole test."""
+        """The observations of some load steps, with the uncertainty of the whole test."""
         boundaries = tuple(self.boundaries[step] for step in steps)
         return replace(self, loading=self.loading.of_steps(steps), u=self.u[steps], boundaries=boundaries)
 

@@ -1,7 +1,7 @@
-"""What equilibrium makes of a material field: displacements and forces, and their derivatives.
+"""The forward problem of the identification: displacements and forces of a material field, with exact derivatives.
 
-This is the forward half of the identification. It has the observations of a test, and the finite-element equilibrium of
-every load step for a field of parameters of a law. It linearises the first by the second exactly.
+It combines the observations of a test with the finite-element equilibrium of every load step for a field of parameters
+of a law.
 """
 
 import copy
@@ -83,7 +83,7 @@ class FieldProblem:
 
     @property
     def noisy(self) -> bool:
-        """Whether noise rules that, and not finite elements."""
+        """Whether noise dominates the discretisation error."""
         return self.observations.noisy
 
     @property
@@ -93,12 +93,12 @@ class FieldProblem:
 
     @property
     def blurred(self) -> bool:
-        """Whether interfaces may lie anywhere, so that cells that they cut are in between, and noise hides nothing."""
+        """Whether interfaces may cut cells, and noise is too small to hide it."""
         return not self.noisy and not self.observations.own_grid
 
     @property
     def certain(self) -> bool:
-        """Whether displacements are those of finite elements on this very grid, so that nothing is left to chance."""
+        """Whether displacements are exact finite-element displacements on this very grid."""
         return not self.noisy and self.observations.own_grid
 
     @property
@@ -108,7 +108,7 @@ class FieldProblem:
 
     @property
     def cost_of_noise(self) -> float:
-        """What noise of the assumed size costs at the true field."""
+        """Expected cost of the noise at the true field."""
         return 0.5 * self.observed
 
     def _shares_of_steps(self):

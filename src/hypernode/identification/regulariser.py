@@ -1,4 +1,4 @@
-"""How much a field of parameters varies from cell to cell, and what a jump of it costs."""
+"""Penalty on jumps of a field of parameters between cells."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ SIDE_SHARE, CORNER_SHARE = np.sqrt(2.0) - 1.0, 1.0 - np.sqrt(0.5)
 
 @dataclass(frozen=True)
 class JumpCost:
-    """What a jump of a given size costs.
+    """Penalty on a jump as a function of its size.
 
     Attributes:
         smallest: size below which jumps are smoothed.
         scale: without one, a jump costs its size (total variation); with one, a logarithm of it,
             scale log(1 + size / scale), which no longer shrinks true jumps.
-        isotropic: cells that face each other at a corner count too, so that a contour costs its length in every
-            direction. On the way there corners only add local minima.
+        isotropic: whether cells that meet at a corner count as neighbours, so that a contour costs its length in every
+            direction. Early in a search corners only add local minima.
     """
 
     smallest: float = STRATEGY.smallest_jump

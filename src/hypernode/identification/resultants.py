@@ -1,4 +1,4 @@
-"""What a test says of the forces on a sheet's edges, and the errors that they share."""
+"""Measured forces on the edges of a sheet, and their shared errors."""
 
 import itertools
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class EdgeForce:
 
     Attributes:
         step: load step.
-        direction: by what the forces of its degrees of freedom count.
+        direction: weights of the nodal forces in the resultant.
         value, sigma: force, and its uncertainty that no other force shares.
         channel: load case, component and normal of what a load cell measured along one axis in one test.
         gain, offset: uncertainty of ``value`` by the gain and by the zero of that load cell, which all of its forces

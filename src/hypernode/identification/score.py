@@ -1,4 +1,4 @@
-"""The one rule by which candidates are compared: how probable a field is after the test."""
+"""The score of a candidate: the negative logarithm of its posterior probability."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from hypernode.trace import Score
 def score_of(
     problem: FieldProblem, *, white, cost: float, shared: float, terms: int, determined: float, places: float
 ) -> Score:
-    """The cost with what fields of other terms, or linearised elsewhere, do not have in common.
+    """The cost plus all parts that differ between candidates.
 
     The covariance of the residuals joins, by their uncertainty and by the errors that they share, so that the score
     does not depend on the scale of residuals. A parameter of the terms, of which the sheet has one, costs half the

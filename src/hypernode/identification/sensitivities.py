@@ -1,11 +1,11 @@
-"""How residuals of a finite-element equilibrium follow from the parameters of its material, exactly.
+"""Exact derivatives of the residuals of a finite-element equilibrium by the parameters of its material.
 
 With R(u, p) = 0 in the free nodes, du/dp = -K^-1 dR/dp; forces follow from R on the edges. The Jacobian of a sheet is
 dense, of some thousand residuals by some thousand parameters and load step. It is known as products, each of which
 costs a back-substitution with the factors of the tangent stiffness K; they take one vector or the columns of a matrix.
 
-The steps of one test are points of one smooth path, along which the Jacobian grows nearly with the load. What all of
-them together say of the curvature, two of them say as well, by a quadrature rule.
+The steps of one test are points of one smooth path, along which the Jacobian grows nearly with the load. Two of them
+therefore give the curvature of all, by a quadrature rule.
 """
 
 import functools

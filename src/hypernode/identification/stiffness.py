@@ -1,9 +1,9 @@
-"""What a field of materials leaves unexplained, put into numbers of every cell: a factor of the stiffness, and fibres.
+"""Numbers of every cell that explain what a field of materials leaves: a factor of the stiffness, and fibres.
 
-The numbers add to parameters of the materials and are found by Gauss-Newton steps on all cells at once. The cost of
-jumps does not blur them: it is total variation first, then its logarithm. A jump costs once, whichever numbers make it.
-What is left of the displacements weighs as their noise, so that far from the answer little is asked of a step. Cells
-far from jumps move together, so that the systems stay small.
+They add to parameters of the materials and are found by Gauss-Newton steps on all cells at once. The penalty on jumps is
+total variation first, then its logarithm, so jumps stay sharp. A jump costs once, whichever numbers make it. The
+residual of the displacements serves as their noise, so steps far from the solution are small. Cells far from jumps share
+their numbers, which keeps the systems small.
 """
 
 from typing import NamedTuple

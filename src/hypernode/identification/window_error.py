@@ -1,8 +1,8 @@
-"""How far what an engine of image correlation sees is from the mean over its window that stands for it.
+"""Difference between the displacement of a correlation engine and the plain average over its window.
 
-The texture of a subset decides what is seen where its deformation is not uniform. Against the mean over subsets, pyvale
-and al-dic are off by a quarter of what that mean changes, at every stretch and in both components. They are off by as
-much in every load step, and alike at neighbours whose subsets overlap (docs/decisions/0060).
+If the deformation of a subset is not uniform, its texture influences the result. The difference is a quarter of the
+change that averaging makes, for pyvale and al-dic, at every stretch and in both components. It is the same in every
+load step, and similar at neighbours with overlapping subsets (docs/decisions/0060).
 """
 
 import numpy as np
@@ -22,9 +22,9 @@ FIRST_SHARE, LARGEST_SHARE = 0.1, 1.0
 def changed_by_window(
     grid: Mesh, u: Float[np.ndarray, "step node 2"], window: float, kernel: str
 ) -> Float[np.ndarray, "step node 2"]:
-    """What the mean over a window changes of a displacement, as its root mean square over that window.
+    """Change of a displacement by averaging over the window, as its root mean square over that window.
 
-    A point beside an interface tells nothing of how uncertain it is: therefore a mean over the points around it.
+    The value of a single point beside an interface may vanish by accident, so the mean over its surroundings is taken.
     """
     if window == 0.0:
         return np.zeros_like(u)
@@ -38,8 +38,8 @@ def window_errors(
 ) -> tuple[np.ndarray, np.ndarray]:
     """(standard deviation of what is seen at every node about the mean over its window, level that it weighs as).
 
-    The level is that of independent errors which weigh as much as these, which steps share wholly, and subsets by the
-    square of the share in which they overlap.
+    The level is that of equivalent independent errors. The errors are identical in all steps, and shared between
+    subsets by the square of their overlap.
 
     Args:
         u: measured displacement, known everywhere.
@@ -73,10 +73,10 @@ def grid_step(grid: Mesh) -> float:
 
 
 def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarray, " point"]) -> tuple[float, float]:
-    """(level of the noise, share of what the window changes), the likeliest for what a field leaves.
+    """Maximum-likelihood (level of the noise, share of the change by the window) for the residuals of a field.
 
-    Residuals are normal, of variance level^2 + share^2 changed^2. How errors are shared does not change what is
-    likeliest, only how sure it is.
+    Residuals are normal with the variance level^2 + share^2 changed^2. Correlation of the errors changes the
+    uncertainty of this estimate, and not the estimate.
 
     Args:
         residuals: of displacements.

@@ -19,7 +19,7 @@ _FEWEST_LINES = 4
 _MIDDLE = (1.0 / 3.0, 2.0 / 3.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ends:
     """Both end lines normal to one axis J, and the lines between them.
 
@@ -42,7 +42,7 @@ class Ends:
     bend: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Lines:
     """Straight lines of least squares through the displacement along every line of the grid that is measured.
 
@@ -93,13 +93,13 @@ def ends_of(
         # What is left of an end beside missing material says little of what holds it.
         slope = np.where(whole, slope, slope[whole].mean())
     return Ends(
-        distance,
-        _gradient(lines, along, np.moveaxis(displacement, 1 - axis, 0), axis),
-        mean_error / distance,
-        slope,
-        float(lines.slope[middle, across].mean()),
-        float(slope_error[middle].mean()),
-        float(lines.scatter[ends, axis].max()),
+        distance=distance,
+        gradient=_gradient(lines, along, np.moveaxis(displacement, 1 - axis, 0), axis),
+        uncertainty=mean_error / distance,
+        across=slope,
+        middle=float(lines.slope[middle, across].mean()),
+        middle_uncertainty=float(slope_error[middle].mean()),
+        bend=float(lines.scatter[ends, axis].max()),
     )
 
 
@@ -142,4 +142,6 @@ def _fitted(at: np.ndarray, position: np.ndarray, u: Float[np.ndarray, "line poi
     rest = weight * (u - value[:, None] - offset[:, :, None] * slope[:, None])
     centre = value + slope * (0.5 * (position[0] + position[-1]) - mean)[:, None]
     scatter = np.sqrt((rest**2).sum(axis=1) / count)
-    return _Lines(at[enough], centre, slope, scatter, points, np.sqrt(square / points))
+    return _Lines(
+        at=at[enough], centre=centre, slope=slope, scatter=scatter, points=points, span=np.sqrt(square / points)
+    )

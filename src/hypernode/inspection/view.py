@@ -12,7 +12,7 @@ from hypernode.inspection.folder import Inspection
 from hypernode.inspection.forces import Course
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FolderView:
     """A folder for the eye.
 
@@ -64,18 +64,18 @@ def view_of(seen: Inspection) -> FolderView:
     field = next(frame.displacement for frame in series.frames if frame.number == shown)
     H = mean_gradients(seen.kept)
     return FolderView(
-        _title(seen),
-        unit,
-        series.x * mm,
-        series.y * mm,
-        specimen.dropped_rings,
-        shown,
-        field * mm,
-        seen.field.numbers,
-        np.array([np.isnan(frame.displacement).any(axis=2).mean() for frame in series.frames]),
-        np.stack([1.0 + H[:, 0, 0], 1.0 + H[:, 1, 1], H[:, 0, 1] + H[:, 1, 0]], axis=1),
-        chosen,
-        seen.courses,
+        title=_title(seen),
+        unit=unit,
+        x=series.x * mm,
+        y=series.y * mm,
+        ring=specimen.dropped_rings,
+        frame=shown,
+        displacement=field * mm,
+        numbers=seen.field.numbers,
+        lost=np.array([np.isnan(frame.displacement).any(axis=2).mean() for frame in series.frames]),
+        stretch=np.stack([1.0 + H[:, 0, 0], 1.0 + H[:, 1, 1], H[:, 0, 1] + H[:, 1, 0]], axis=1),
+        chosen=chosen,
+        courses=seen.courses,
     )
 
 

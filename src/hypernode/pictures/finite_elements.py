@@ -27,7 +27,7 @@ MISTAKEN = 3.0
 _PROBES = 32
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Seen:
     """What pictures say of a sheet, in pixels, rows downward.
 
@@ -120,7 +120,15 @@ def seen_by_elements(
         alike[lost] = np.nan
         found.append((moved, alike, noise, level, sharp.noise, sharp.u, fine_matrix, pull))
     moved, alike, noise, level, grey, fine_u, matrix, pull = (np.stack(each) for each in zip(*found, strict=True))
-    return Seen(mesh, moved, alike, noise, level, grey, Information(finer.mesh, fine_u, matrix, pull))
+    return Seen(
+        mesh=mesh,
+        u=moved,
+        correlation=alike,
+        noise=noise,
+        level=level,
+        grey_noise=grey,
+        information=Information(finer.mesh, fine_u, matrix, pull),
+    )
 
 
 def _grey_noise(sharp: Followed, known: float | None) -> float:

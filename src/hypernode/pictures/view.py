@@ -9,7 +9,7 @@ from jaxtyping import Float
 _STEPS = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class View:
     """A camera that looks straight at the plane of the sheet, through a lens that distorts radially.
 
@@ -72,7 +72,14 @@ def view_of(
     low, high = np.floor(places.min(axis=0)), np.ceil(places.max(axis=0))
     columns, rows = (high - low).astype(int) + 2 * margin
     # Half a pixel, so that a sheet whose corner is the origin begins where a pixel does.
-    view = View(int(rows), int(columns), mm_per_pixel, margin - 0.5 - low[0], margin - 0.5 + high[1], float(distortion))
+    view = View(
+        rows=int(rows),
+        columns=int(columns),
+        mm_per_pixel=mm_per_pixel,
+        origin_column=margin - 0.5 - low[0],
+        origin_row=margin - 0.5 + high[1],
+        distortion=float(distortion),
+    )
     seen = view.pixels(moved.reshape(-1, 2))
     if (seen < -0.5).any() or (seen > np.array([columns, rows]) - 0.5).any():
         raise ValueError(f"the lens moves the sheet out of the picture: choose a margin of more than {margin} pixels")

@@ -39,7 +39,7 @@ class Descent:
     ending: Ending
 
 
-def descend(objective: WeightObjective, states, settings: Polish, name: str) -> Descent:
+def descend_weights(objective: WeightObjective, states, settings: Polish, name: str) -> Descent:
     """From the weights of the network before to those of the least cost.
 
     Args:

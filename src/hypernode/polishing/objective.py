@@ -46,7 +46,7 @@ class LinearObjective:
     curvature: Callable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WeightObjective:
     """The objective of a test; see :func:`weight_objective`.
 
@@ -129,7 +129,16 @@ def weight_objective(
     cost = JumpCost(finest, constrained.jump_scale, isotropic=True)
     nearness = Nearness(problem.basis, field.params(field.start), modes, settings.deviation)
     ridge = ridge_of(problem, field, LOOSENESS * settings.deviation)
-    return WeightObjective(problem, field, jumps, regulariser, constrained.regulariser_weight, cost, nearness, ridge)
+    return WeightObjective(
+        problem=problem,
+        field=field,
+        jumps=jumps,
+        regulariser=regulariser,
+        regulariser_weight=constrained.regulariser_weight,
+        jump_cost=cost,
+        nearness=nearness,
+        ridge=ridge,
+    )
 
 
 def ridge_of(problem: FieldProblem, field: WeightField, deviation: float) -> float:

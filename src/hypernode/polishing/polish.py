@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 from hypernode.config.methods import Constrained, Polish
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
-from hypernode.polishing.descent import Descent, descend
+from hypernode.polishing.descent import Descent, descend_weights
 from hypernode.polishing.held_out import Misfit, held_out_steps, why_not_better
 from hypernode.polishing.objective import weight_objective
 from hypernode.polishing.weight_field import WeightField
@@ -16,7 +16,7 @@ from hypernode.progress import say
 from hypernode.verdict import Ending
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Polished:
     """A hyper-network after its polishing.
 
@@ -81,7 +81,16 @@ def polish(
     params = field.params(start)
     states = problem.equilibrium.states(params, guesses)
     if states is None:
-        return Polished(start, None, False, "the network before has no equilibrium", held, {}, np.array([np.nan]), None)
+        return Polished(
+            weights=start,
+            u=None,
+            kept=False,
+            reason="the network before has no equilibrium",
+            held_out=held,
+            misfits={},
+            history=np.array([np.nan]),
+            ending=None,
+        )
     used = _Part.of(problem, np.flatnonzero(~held), params, states)
     other = _Part.of(problem, np.flatnonzero(held), params, states) if held.any() else None
     misfits = {"used": {"before": used.before.sizes}}
@@ -91,7 +100,9 @@ def polish(
     def left(reason):
         say("polishing", name, f"left as it is: {reason}")
         u, history = np.stack([state.u for state in states]), np.array([used.before.sizes["displacement"]])
-        return Polished(start, u, False, reason, held, misfits, history, None)
+        return Polished(
+            weights=start, u=u, kept=False, reason=reason, held_out=held, misfits=misfits, history=history, ending=None
+        )
 
     if other is None:
         return left("no test has two load steps, so that none can be held out")
@@ -100,7 +111,7 @@ def polish(
     if settings.iterations == 0:
         return left("it is only judged")
     objective = weight_objective(used.problem, field, constrained, settings)
-    found = descend(objective, used.states, settings, name)
+    found = descend_weights(objective, used.states, settings, name)
     return _kept(problem, field, found, states, (used, other), misfits, name)
 
 
@@ -121,7 +132,16 @@ def _kept(problem: FieldProblem, field: WeightField, found: Descent, states, par
         reason, states = "held-out displacements and forces are explained better", reached
     say("polishing", name, f"{'kept' if kept else 'not kept'}, {found.ending}: {reason}")
     u = np.stack([state.u for state in states])
-    return Polished(weights if kept else field.start, u, kept, reason, held, misfits, found.history, found.ending)
+    return Polished(
+        weights=weights if kept else field.start,
+        u=u,
+        kept=kept,
+        reason=reason,
+        held_out=held,
+        misfits=misfits,
+        history=found.history,
+        ending=found.ending,
+    )
 
 
 def unexplained(used: Misfit, strategy: Strategy) -> str:

@@ -13,7 +13,7 @@ from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.prediction.errors import PredictionError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PhaseLaw:
     """The law of one phase, as one test told it.
 
@@ -63,7 +63,9 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
     for label in np.unique(labels):
         cell = int(np.flatnonzero(labels == label)[0])
         samples = np.stack([file[n].values[:, 0, cell] for n in names], axis=-1) if has_samples else none
-        laws.append(PhaseLaw(source, int(label), basis, params[:, 0, cell], samples, seen))
+        laws.append(
+            PhaseLaw(source=source, label=int(label), basis=basis, best=params[:, 0, cell], samples=samples, seen=seen)
+        )
         stress = basis.stress(half * np.eye(2)[:, :, None], params[:, 0, cell][:, None])
         stiffness.append(float(np.linalg.norm(stress)))
     return [laws[k] for k in np.argsort(stiffness, kind="stable")]

@@ -31,7 +31,7 @@ THICKNESS, METHOD = 2.0, "hypernode_printed"
 STRETCH = 1.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Labelled:
     """What was found of a test.
 
@@ -78,7 +78,9 @@ def run(path: Path, pairs: Sequence[PairOfMaterials] = ()) -> Labelled:
         better = turned(test.label, named_as(test.label, stiffer), test.down)
         if better:
             remarks.append(f"the label fits what the sheet does better {better}: it may lie otherwise than the sheet")
-    return Labelled(test, stiffer, stress, pair, predicted, score, remarks)
+    return Labelled(
+        test=test, stiffer=stiffer, stress=stress, pair=pair, predicted_label=predicted, score=score, remarks=remarks
+    )
 
 
 def named_as(label, stiffer):

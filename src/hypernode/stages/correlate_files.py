@@ -21,7 +21,7 @@ from hypernode.storage.records import sha256
 RECORD = "correlation.json"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Photographs:
     """Pictures of a test and what is known of them.
 

@@ -74,7 +74,7 @@ def phase_shares(case: Case, shapes: Mapping[str, Shape], X) -> tuple[np.ndarray
         ValueError: a geometry holds no cell's centre.
     """
     drawn = [(case.geometry, case.inclusion)] if case.inclusion else []
-    drawn += [(layer.geometry, layer.material) for layer in case.layers]
+    drawn += [(phase.geometry, phase.material) for phase in case.further_phases]
     shares, names = np.ones((1, len(X))), [case.matrix]
     for geometry, material in drawn:
         weight = shapes[geometry](X)

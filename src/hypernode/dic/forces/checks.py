@@ -18,7 +18,7 @@ class Finding:
     refused: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceLimits:
     """Where a force becomes implausible, and why there.
 

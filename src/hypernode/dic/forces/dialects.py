@@ -12,7 +12,7 @@ PULL = "pull"
 
 
 @dataclass(frozen=True)
-class Dialect:
+class ForceDialect:
     """How one program writes a record.
 
     Attributes:
@@ -69,7 +69,7 @@ PICTURE_NAMES = (
 
 #: In the order in which they are tried: what asks for more comes first.
 DIALECTS = (
-    Dialect(
+    ForceDialect(
         name="cellscale_biotester",
         program="CellScale BioTester",
         time=("time",),
@@ -78,7 +78,7 @@ DIALECTS = (
         units="suffix",
         cycles=("setname", "cycle"),
     ),
-    Dialect(
+    ForceDialect(
         name="matchid_image",
         program="MatchID Image.csv",
         time=("timestamp",),
@@ -87,7 +87,7 @@ DIALECTS = (
         units="brackets",
         preamble=0,
     ),
-    Dialect(
+    ForceDialect(
         name="davis_load",
         program="DaVis load record",
         time=("time",),
@@ -96,7 +96,7 @@ DIALECTS = (
         also=("image index (image index)",),
         preamble=0,
     ),
-    Dialect(
+    ForceDialect(
         name="davis_channels",
         program="DaVis channels by picture",
         time=(),
@@ -105,7 +105,7 @@ DIALECTS = (
         units="brackets",
         preamble=0,
     ),
-    Dialect(
+    ForceDialect(
         name="mts_testsuite",
         program="MTS TestSuite",
         time=("time", "running time"),
@@ -113,7 +113,7 @@ DIALECTS = (
         displacement={PULL: ("crosshead", "extension", "displacement", "axial displacement")},
         begins="file path:",
     ),
-    Dialect(
+    ForceDialect(
         name="zwick_testxpert",
         program="Zwick testXpert",
         time=("prüfzeit", "test time"),
@@ -121,7 +121,7 @@ DIALECTS = (
         displacement={PULL: ("standardweg", "traversenweg", "standard travel", "crosshead travel", "weg")},
         delimiters="\t;,",
     ),
-    Dialect(
+    ForceDialect(
         name="bluehill_3",
         program="Instron Bluehill 3",
         time=("time",),
@@ -129,7 +129,7 @@ DIALECTS = (
         displacement={PULL: ("extension",)},
         also=("extension",),
     ),
-    Dialect(
+    ForceDialect(
         name="bluehill_universal",
         program="Instron Bluehill Universal",
         time=("time",),
@@ -137,7 +137,7 @@ DIALECTS = (
         displacement={PULL: ("displacement", "extension")},
         units="brackets",
     ),
-    Dialect(
+    ForceDialect(
         name="wavematrix",
         program="Instron WaveMatrix",
         time=("total time", "elapsed time", "gesamtzeit", "verstrichene zeit", "temps total", "temps écoulé"),
@@ -149,7 +149,7 @@ DIALECTS = (
         preamble=0,
         delimiters=";,\t",
     ),
-    Dialect(
+    ForceDialect(
         name="cellscale_univert",
         program="CellScale UniVert",
         time=("time",),
@@ -158,7 +158,7 @@ DIALECTS = (
         units="suffix",
         cycles=("setname", "cycle"),
     ),
-    Dialect(
+    ForceDialect(
         name="named_axes",
         program="columns Time, Force x and Force y",
         time=("time",),
@@ -166,7 +166,7 @@ DIALECTS = (
         displacement={"x": ("displacement x", "displacement_x"), "y": ("displacement y", "displacement_y")},
         preamble=0,
     ),
-    Dialect(
+    ForceDialect(
         name="named_axes_brackets",
         program="columns Time, Force x and Force y with units in brackets",
         time=("time",),
@@ -175,7 +175,7 @@ DIALECTS = (
         units="brackets",
         preamble=0,
     ),
-    Dialect(
+    ForceDialect(
         name="named_columns",
         program="columns Time and Force",
         time=("time",),
@@ -184,7 +184,7 @@ DIALECTS = (
         preamble=0,
     ),
     *(
-        Dialect(
+        ForceDialect(
             name=name,
             program=f"a table of usual names with {written}",
             time=time,

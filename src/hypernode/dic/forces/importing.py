@@ -28,7 +28,7 @@ from hypernode.progress import say
 _HARDLY_STRETCHED = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Forces:
     """Forces of the load steps.
 
@@ -140,7 +140,9 @@ def import_forces(
     time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
     force = {part: pull.forces(chosen) for part, pull in pulls.items()}
     path = heard.record.path
-    return Forces(path, pulls, time, force, pairing, _reported(test.folder, path, findings))
+    return Forces(
+        path=path, pulls=pulls, time=time, force=force, pairing=pairing, findings=_reported(test.folder, path, findings)
+    )
 
 
 def _record(test: SpecimenTest, series: Series) -> ForceRecord:

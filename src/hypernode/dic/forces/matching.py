@@ -35,7 +35,7 @@ class Silence:
         return self.begin + rounded < time and (time <= self.end if self.closed else time < self.end - rounded)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PullRecord:
     """The record of one force, with the clock of its frames.
 
@@ -212,7 +212,9 @@ def pull_record(record: ForceRecord, axis: str, force_offset: float, clock: Fram
     if image is None:
         columns = _averaged(columns)
     displacement = columns[2] if len(columns) == 3 else None
-    return PullRecord(record, columns[0], columns[1], displacement, image, clock)
+    return PullRecord(
+        record=record, time=columns[0], force=columns[1], displacement=displacement, image=image, clock=clock
+    )
 
 
 def _averaged(columns: list[np.ndarray]) -> list[np.ndarray]:

@@ -28,7 +28,7 @@ _UNTOLD = 1.0 / np.sqrt(12.0)
 _LEAST = 0.01
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Pairing:
     """What is known of the lag between the clocks.
 
@@ -94,13 +94,22 @@ def pairing_of(test: SpecimenTest, pull: PullRecord, series: Series, part: Compo
     lag = _of_curve(strain, time, pull.forces(numbers)) if len(numbers) else None
     named = pull.image is not None
     if lag is None or abs(lag[0]) > _FARTHEST * interval:
-        return Pairing(0.0, 0.0 if named else _UNTOLD * interval, interval, named, 0.0)
+        return Pairing(
+            seconds=0.0, uncertainty=0.0 if named else _UNTOLD * interval, interval=interval, named=named, zero=0.0
+        )
     given = test.picture_shift is not None if named else test.force_time_offset not in (None, "estimate")
     together = False
     if pull.displacement is not None and not named:
         way = _of_curve(strain, time, np.interp(time, pull.time, np.abs(pull.displacement - pull.displacement[0])))
         together = way is not None and max(abs(way[0]), way[1]) < _SAID * interval
-    return Pairing(0.0 if given else lag[0], max(lag[1], _LEAST * interval), interval, named, lag[2], together)
+    return Pairing(
+        seconds=0.0 if given else lag[0],
+        uncertainty=max(lag[1], _LEAST * interval),
+        interval=interval,
+        named=named,
+        zero=lag[2],
+        with_crosshead=together,
+    )
 
 
 def _of_curve(strain, time, force) -> tuple[float, float, float] | None:

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.clock_times import with_seconds
-from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, STRESS_UNITS, TIME_UNITS, VOLTS, Dialect
+from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, STRESS_UNITS, TIME_UNITS, VOLTS, ForceDialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.forces.pictures import picture_column, pictures_of
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
@@ -33,7 +33,7 @@ class ForceRecord:
     """
 
     path: Path
-    dialect: Dialect | None
+    dialect: ForceDialect | None
     time: Float[np.ndarray, " sample"] | None
     image: Float[np.ndarray, " sample"] | None
     axes: tuple[str, ...]

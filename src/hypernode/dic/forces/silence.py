@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from hypernode.dic.forces.matching import PullRecord, Silence
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SilenceLimits:
     """Where a record counts as silent, and why there.
 

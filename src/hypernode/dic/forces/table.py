@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.dialects import DIALECTS, Dialect
+from hypernode.dic.forces.dialects import DIALECTS, ForceDialect
 from hypernode.dic.text import readings, shown
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
@@ -25,7 +25,7 @@ class Table:
     """A file cut into cells: its header, the units of its columns, and (line, cells) of its samples."""
 
     path: Path
-    dialect: Dialect
+    dialect: ForceDialect
     line: int
     header: list[str]
     names: list[str]
@@ -95,7 +95,7 @@ def _decimals(number: str) -> int:
     return len(number) - 1 - max(number.rfind("."), number.rfind(",")) if set(number) & set(".,") else 0
 
 
-def _timed(dialect: Dialect, time: str | None) -> Dialect:
+def _timed(dialect: ForceDialect, time: str | None) -> ForceDialect:
     """A dialect whose column of the time has the name that the configuration gives, with its unit or without."""
     if time is None:
         return dialect
@@ -113,7 +113,7 @@ def _cut(path: Path, text: str, delimiter: str) -> list[Row]:
 
 
 def _in_dialect(
-    path: Path, rows: list[Row], dialect: Dialect, channels: Sequence[str], time: str | None
+    path: Path, rows: list[Row], dialect: ForceDialect, channels: Sequence[str], time: str | None
 ) -> Table | None:
     """The table below the first line that is this dialect's header; None where there is none."""
     first = rows[0][1] if rows else []

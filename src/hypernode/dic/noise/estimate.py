@@ -21,13 +21,13 @@ class NoiseEstimate:
     """Noise of displacements, of each component.
 
     Attributes:
-        level: standard deviation in each frame, in the unit of the displacements; NaN for frames that say nothing: of
-            too few points, or without any displacement, as a reference.
-        correlation_length: of the noise in grid steps, that of a Gaussian with which white noise would have been
-            smoothed; 0 for white noise.
+        level: standard deviation in each frame, in the unit of the displacements. NaN for frames with too few points or
+            without any displacement, such as the reference.
+        correlation_length: standard deviation of the Gaussian that would turn white noise into this noise [grid steps];
+            0 for white noise.
         source: ``static frames`` or ``local fit``.
-        equivalent: level of independent noise of the same power at wavelengths much longer than the correlation
-            length, which are those that matter to a smooth field.
+        equivalent: level of independent noise with the same power at wavelengths much longer than the correlation
+            length. These wavelengths matter to a smooth field.
     """
 
     level: Float[np.ndarray, "frame 2"]
@@ -50,19 +50,19 @@ def estimate_noise(
 ) -> NoiseEstimate:
     """Measure the noise of displacements on a regular grid.
 
-    Frames of the sheet at rest show all noise but rigid motion and mean gradient (:func:`.static.static_fit`).
-    Their level holds for every later frame, raised where fine noise is larger there than in them. Where there are none,
-    differences along grid lines show noise that is rougher than the deformation (:func:`.local.local_fit`, with
-    what it cannot see).
+    Frames of the sheet at rest show all noise except rigid motion and mean gradient (:func:`.static.static_fit`). Their
+    level is used for every later frame, and is raised where a later frame has more fine noise. Without such frames,
+    differences along grid lines give the noise that is rougher than the deformation (:func:`.local.local_fit`, which
+    states its limits).
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost. A reference of zeros may be among them.
-        static: frames of the sheet at rest; found among the first ones when left out, none when empty.
+        static: frames of the sheet at rest. By default they are searched among the first frames; an empty list means
+            none.
         length: correlation length of the noise of each component, in grid steps, where it is known.
 
     Raises:
-        DicError: no frame has about 6 x 6 neighbouring points that are known and that moved, or a static frame says
-            nothing.
+        DicError: no frame has about 6 x 6 known neighbouring points that moved, or a static frame is empty.
     """
     if static is None:
         displacement = _without_rounding(displacement)

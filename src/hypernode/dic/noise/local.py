@@ -1,4 +1,4 @@
-"""Noise of a field that deforms: what differences along grid lines see, where the deformation is smooth."""
+"""Noise of a deforming field from differences along grid lines; the deformation is assumed to be smooth."""
 
 import numpy as np
 from jaxtyping import Float
@@ -44,14 +44,15 @@ def local_fit(
 
     Let s be the level of the noise and r its autocorrelation. At spacing k the variance of a fourth difference over 70
     is s^2 (70 - 112 r(k) + 56 r(2k) - 16 r(3k) + 2 r(4k)) / 70. Deformation adds a part that grows with the spacing.
-    The fit is to robust variances at several spacings, by their likelihood (gamma). Each frame has a level and what
-    deformation adds along each axis, none negative. One length a component is that of all frames.
+    The model is fitted to robust variances at several spacings by their gamma likelihood. Each frame has a noise level,
+    and a non-negative contribution of the deformation along each axis. All frames share one correlation length for each
+    component.
 
-    Noise smoother than a third of the largest spacing is not seen. That third is 2.7 steps on 33 to 53 lines, a twelfth
-    of the lines on fewer, an eighteenth on more. Such noise is that of subsets which overlap widely, of a lens'
-    distortion, of a camera that moves. Where it is all there is, the level is near 0. What is rough from point to point
-    and belongs to the sheet, its texture, counts as noise. Noise of two steps and more is taken up to twice as large
-    where kinks at interfaces exceed it.
+    Noise smoother than a third of the largest spacing is invisible to this method. This limit is 2.7 steps on 33 to 53
+    lines, a twelfth of the lines on fewer, an eighteenth on more. Widely overlapping subsets, lens distortion and
+    camera motion cause such noise. If there is no other noise, the level is near 0. Deformation that is rough from
+    point to point, such as that of a texture, counts as noise. Correlation lengths of two steps and more are
+    overestimated by up to a factor of two if kinks at interfaces exceed the noise.
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.

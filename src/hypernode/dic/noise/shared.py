@@ -1,4 +1,4 @@
-"""What the errors of several frames share: a speckle's texture misleads each alike, and no mean takes that out."""
+"""Errors that several frames share: the speckle pattern biases every frame alike, so averaging does not remove them."""
 
 import numpy as np
 from jaxtyping import Float
@@ -19,7 +19,7 @@ APART = 1.5
 
 
 def fine(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarray, "step value"]:
-    """Fourth differences of every step between neighbours along x and y, NaN where one of the points was lost."""
+    """Fourth differences of every load step along x and y, NaN where one of the points was lost."""
     parts = []
     for axis in (1, 2):
         size = displacement.shape[axis] - len(STENCIL) + 1
@@ -32,8 +32,8 @@ def shared_by_steps(displacement: Float[np.ndarray, "step row column 2"]) -> flo
     """Mean correlation of the fine errors of two load steps, from 0 to 1.
 
     It is sin(pi/2 q), with q the mean product of the signs of the fine differences. This holds for a normal
-    distribution (Blomqvist, On a measure of dependence between two random variables, 1950). Interfaces, few among all
-    points, hardly count.
+    distribution (Blomqvist, On a measure of dependence between two random variables, 1950). The few points at
+    interfaces have little influence.
     """
     values = fine(displacement)
     found = []
@@ -46,7 +46,7 @@ def shared_by_steps(displacement: Float[np.ndarray, "step row column 2"]) -> flo
 
 
 def belongs_to_the_sheet(displacement: Float[np.ndarray, "step row column 2"], shared: float) -> bool:
-    """Whether what is rough in load steps is deformation: they share it, and it grows with the displacement.
+    """Whether the fine differences are deformation: load steps share them, and they grow with the displacement.
 
     Args:
         shared: mean correlation of the fine errors of two steps.
@@ -62,7 +62,7 @@ def belongs_to_the_sheet(displacement: Float[np.ndarray, "step row column 2"], s
 
 
 def as_independent(level: Float[np.ndarray, "step 2"], shared: float) -> Float[np.ndarray, "step 2"]:
-    """Level at which errors that steps share weigh as much as independent ones would.
+    """Level of independent errors whose mean is as uncertain as that of errors which steps share.
 
     The mean of n values of variance s^2 and correlation r has the variance s^2 (1 + (n - 1) r) / n.
     """
@@ -70,9 +70,9 @@ def as_independent(level: Float[np.ndarray, "step 2"], shared: float) -> Float[n
 
 
 def not_shared(displacement: Float[np.ndarray, "step row column 2"]) -> Float[np.ndarray, "step row column 2"]:
-    """What each step does not share with the two that are nearest to it, scaled to be as large as its own errors.
+    """Residual of each step after regression on its two nearest steps, scaled to the size of its own errors.
 
-    The shares of the two are those that explain its fine differences best.
+    The regression is fitted to the fine differences.
     """
     count, left = len(displacement), np.empty_like(displacement)
     for component in range(2):

@@ -1,4 +1,4 @@
-"""Noise of frames of a sheet at rest: whatever is not a motion of all points alike."""
+"""Noise of frames of a sheet at rest: the displacement without the common motion of all points."""
 
 from collections.abc import Sequence
 
@@ -21,16 +21,16 @@ def frames_at_rest(
     level: Float[np.ndarray, "frame 2"],
     length: Float[np.ndarray, " 2"],
 ) -> list[int]:
-    """Frames before the sheet moves, from the first on; those without any displacement are passed over.
+    """Frames before the sheet moves, from the first on; frames without any displacement are skipped.
 
-    A sheet is at rest where two things hold. Its mean strain is less than four of its uncertainties. Without the mean
-    displacement gradient, its displacement scatters no more than one and a half times as much as fine noise does.
-    Translations and small rotations are allowed, since strain is the symmetric part of the gradient. A rotation that
-    strains by its square is taken for motion. So is every rotation of a grid whose steps along x and y differ.
+    A sheet is at rest if two conditions hold. Its mean strain is less than four standard uncertainties. Without the
+    mean displacement gradient, its displacement scatters at most 1.5 times as much as fine noise. Translations and
+    small rotations are allowed, since strain is the symmetric part of the gradient. A rotation whose square is a
+    visible strain counts as motion. So does every rotation of a grid whose steps along x and y differ.
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.
-        level: of its fine noise, from the differences of the same frames, NaN where a frame says nothing.
+        level: of its fine noise, from the differences of the same frames, NaN for a frame without an estimate.
         length: correlation length of the noise of each component, in grid steps.
     """
     factor = np.array([independent_factor(one) for one in length])
@@ -51,8 +51,8 @@ def static_fit(
 ) -> tuple[Float[np.ndarray, "static 2"], Float[np.ndarray, " 2"]]:
     """Standard deviation of each static frame without rigid motion and mean gradient, and correlation lengths.
 
-    The length is that of the Gaussian autocorrelation nearest to the one along rows and columns, at lags up to a
-    quarter of the shorter side, of all frames together.
+    A Gaussian autocorrelation is fitted to the one of all frames along rows and columns, at lags up to a quarter of the
+    shorter side.
 
     Args:
         displacement: of each frame in any unit, NaN where a point was lost.
@@ -76,7 +76,7 @@ def static_fit(
 
 
 def says_something(u: Float[np.ndarray, "row column 2"]) -> bool:
-    """Whether a static frame has points enough, and any displacement at all."""
+    """Whether a static frame has enough points and at least one displacement other than zero."""
     known = np.isfinite(u).all(axis=-1)
     return bool(known.sum() >= _FEWEST and (np.ptp(u[known], axis=0) > 0.0).all())
 
@@ -87,7 +87,7 @@ def without_affine(
     """A displacement without its mean and its mean gradient.
 
     Returns:
-        What is left, NaN where a point is lost. The gradient [along column or row, component] per grid step. The
+        The residual, NaN where a point is lost. The gradient [along column or row, component] per grid step. The
         standard deviations of the gradient along columns and rows, for independent noise of level 1.
     """
     known = np.isfinite(u).all(axis=-1)

@@ -1,4 +1,4 @@
-"""The noise of a test's load steps: as the configuration gives it, else from the frames."""
+"""The noise of a test's load steps: stated in the configuration, or estimated from the frames."""
 
 from dataclasses import dataclass, replace
 
@@ -24,9 +24,9 @@ class StepNoise:
 
     Attributes:
         scatter: standard deviation of a displacement.
-        level: that of independent errors which weigh as much as these do, shared by neighbouring points and by steps.
-        source: where they are from, a sentence.
-        frames: what the frames tell where the configuration says another one; None where they tell nothing.
+        level: of equivalent independent errors; the errors themselves are correlated between points and between steps.
+        source: their origin, one sentence.
+        frames: the estimate from the frames if the configuration states another value; None without an estimate.
     """
 
     scatter: Float[np.ndarray, "step 2"]
@@ -36,16 +36,16 @@ class StepNoise:
 
 
 def noise_of(test: SpecimenTest, series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> StepNoise:
-    """The noise of a test's load steps, said in the log where it is estimated.
+    """The noise of a test's load steps; an estimate is written to the log.
 
     Args:
-        test: what the configuration says; a stated noise is that of independent errors.
+        test: its configuration; a stated noise counts as independent.
         series: the frames, in their unit.
         numbers: of the frames that are load steps.
         mm: length of that unit [mm].
 
     Raises:
-        DicError: none is stated, and the frames do not tell it.
+        DicError: none is stated, and the frames give no estimate.
     """
     stated = test.stated_noise(mm)
     if stated is None:
