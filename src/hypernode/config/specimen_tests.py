@@ -41,6 +41,8 @@ Format = Literal[
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
+#: An axis of the sheet, and the way along it.
+Way = Literal["x", "y", "-x", "-y"]
 #: What a test says of the errors of its forces, and a measurement in the same words.
 FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 #: What selects load steps; only one of them is given.
@@ -113,6 +115,9 @@ class SpecimenTest(Section):
     displacement_factor: Positive | None = None
     """What displacements of the frames are multiplied by, where they are in another unit than positions. Left out, 1,
     and a sheet that narrows as if it were pulled much further, or less, is said; 1 says that they are right."""
+    displacement_axes: tuple[Way, Way] = ("x", "y")
+    """Axes of the files' positions along which their u and v point: `[y, x]` where the columns are swapped, `[x, -y]`
+    where v points the other way."""
     repeated_frames: Literal["inserted", "missed"] | None = None
     """What a frame is that equals the one before to the last bit: inserted, so that those after it are earlier, or in
     the place of a picture that the camera missed. Left out, the motion tells."""
@@ -201,6 +206,12 @@ class SpecimenTest(Section):
     def _one_noise(self):
         if self.noise_pixels is not None and self.noise_mm is not None:
             raise ValueError("give only one of noise_pixels, noise_mm")
+        return self
+
+    @model_validator(mode="after")
+    def _both_axes(self):
+        if self.displacement_axes[0].lstrip("-") == self.displacement_axes[1].lstrip("-"):
+            raise ValueError("displacement_axes: one of both is along x and the other along y, as [y, x] or [x, -y]")
         return self
 
     @property

@@ -23,6 +23,7 @@ class Dialect:
         absent: column names that it has not.
         unit: of positions and displacements where the header names none.
         displacement_factor: what displacements are multiplied by, beside what their unit says.
+        displacement_axes: along which u and v of the files point.
         layouts: delimiters and decimal signs in which it comes.
         y_up: whether y points upward.
         v_up: whether v does, where it differs from y.
@@ -53,6 +54,7 @@ class Dialect:
     absent: tuple[str, ...] = ()
     unit: str | None = None
     displacement_factor: float = 1.0
+    displacement_axes: tuple[str, str] = ("x", "y")
     layouts: tuple[tuple[str, str], ...] = ((",", "."),)
     y_up: bool = True
     v_up: bool | None = None

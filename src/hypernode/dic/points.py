@@ -104,6 +104,7 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     if "failed" in cells:
         u[cells["failed"]] = np.nan
     u[~_all(np.abs(u) < _ENDLESS) | _no_lengths(position, u)] = np.nan
+    u[:, :2] = _along_axes(u[:, :2], dialect.displacement_axes)
     if dialect.deformed:
         position = position - u
     keep = _all(np.abs(position) < _ENDLESS)
@@ -120,6 +121,14 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
         force = float(found[0]) if found else None
     moving = dialect.option(unit=unit, deformed="true")
     return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
+
+
+def _along_axes(u: np.ndarray, axes: tuple[str, str]) -> np.ndarray:
+    """Displacements (point, 2) along x and y, of columns that point along these axes."""
+    turned = np.empty_like(u)
+    for k, axis in enumerate(axes):
+        turned[:, "xy".index(axis[-1])] = -u[:, k] if axis.startswith("-") else u[:, k]
+    return turned
 
 
 def _all(components: np.ndarray) -> np.ndarray:

@@ -110,6 +110,7 @@ def _refuse_others(first: Points, points: Points) -> None:
 
 def _as_declared(dialect: Dialect, declared: Declared) -> Dialect:
     changes = {"valid": declared.valid, "displacement_factor": declared.displacement_factor or 1.0}
+    changes["displacement_axes"] = declared.displacement_axes
     if declared.y_points is not None:
         changes["y_up"] = declared.y_points == "up"
     if declared.implied_reference is not None:
