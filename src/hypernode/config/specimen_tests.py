@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Union
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from hypernode.config.section import Count, Fraction, Positive, Section
 
@@ -51,16 +51,20 @@ SELECTIONS = ("frames", "stretches", "times", "load_steps")
 LOAD_STEPS = 5
 
 
+#: Name of a column, or its number.
+Column = Annotated[str, BeforeValidator(lambda said: str(said) if type(said) is int else said)]
+
+
 class Table(Section):
     """Columns of displacement files that no known software wrote."""
 
-    x: str = "x"
-    """Name of the column of the position along x, without its unit."""
-    y: str = "y"
+    x: Column = "x"
+    """Name of the column of the position along x, without its unit; its number, from 1 on, where no line has names."""
+    y: Column = "y"
     """The same along y."""
-    u: str = "u"
+    u: Column = "u"
     """Name of the column of the displacement along x, without its unit."""
-    v: str = "v"
+    v: Column = "v"
     """The same along y."""
     unit: Literal["pixel", "mm"] | None = None
     """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
@@ -70,6 +74,8 @@ class Table(Section):
     """Decimal sign."""
     deformed: bool = False
     """Whether positions are those in the deformed sheet."""
+    positions: bool = False
+    """Whether u and v hold positions in the deformed sheet in the place of displacements."""
 
 
 class Arrays(Section):

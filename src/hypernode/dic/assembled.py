@@ -7,8 +7,10 @@ import numpy as np
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
-from hypernode.dic.folder import MATRIX, numbered
-from hypernode.dic.points import UNITS, Points, points_from
+from hypernode.dic.folder import MATRIX
+from hypernode.dic.header import LENGTHS
+from hypernode.dic.numbering import numbered
+from hypernode.dic.points import Points, points_from
 from hypernode.dic.table import number_in, read_table
 from hypernode.dic.text import read_text, refuse_cut_lines
 from hypernode.installation import needs
@@ -117,7 +119,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
             u, v = (_fields(file, saved["displacements"][f"plot_{k}_ref_formatted"]) for k in "uv")
     except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
         raise DicError(f"{path}: not what Ncorr saves as data_dic_save: {error}") from None
-    if unit.lower() not in UNITS:
+    if unit.lower() not in LENGTHS:
         raise DicError(f"{path}: lengths in {unit!r}: analyse again in mm or pixels")
     if len(u) != len(v):
         raise DicError(f"{path}: {len(u)} fields of u and {len(v)} of v: save data_dic_save again")
@@ -125,7 +127,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
         raise DicError(f"{path}: fields of different sizes: save data_dic_save again")
     if not (0.0 <= spacing < np.inf and 0.0 < scale < np.inf):
         raise DicError(f"{path}: spacing {spacing:g} and pixtounits {scale:g}: set the units again and save")
-    step = (spacing + 1.0) * (scale if UNITS[unit.lower()][0] == "mm" else 1.0)
+    step = (spacing + 1.0) * (scale if LENGTHS[unit.lower()][0] == "mm" else 1.0)
     x, y = np.meshgrid(*(step * np.arange(n) for n in reversed(u[0].shape)))
     line = np.ones(x.size, dtype=int)
     frames = {}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 #: How a number that is none is written, in lower case.
 NOT_A_NUMBER = (
     *("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch"),
-    *("na", "n/a", "#n/a", "nil", "null", "none", "-", "--", "---", "*"),
+    *("na", "n/a", "#n/a", "#nv", "#wert!", "#value!", "#div/0!", "nil", "null", "none", "-", "--", "---", "*"),
 )
 
 
@@ -28,6 +28,7 @@ class Dialect:
         y_up: whether y points upward.
         v_up: whether v does, where it differs from y.
         deformed: whether positions are those in the deformed sheet.
+        positions: whether u and v are positions in the deformed sheet too, in the place of displacements.
         lost: (column, value) pairs that mark a lost point.
         valid: column -> smallest and largest value of points that count; None where there is no such bound.
         arrays: positions, displacements and force -> name of the array that holds them, where a file holds arrays.
@@ -59,6 +60,7 @@ class Dialect:
     y_up: bool = True
     v_up: bool | None = None
     deformed: bool = False
+    positions: bool = False
     lost: tuple[tuple[str, float], ...] = ()
     valid: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
     arrays: Mapping[str, str | None] = field(default_factory=dict)

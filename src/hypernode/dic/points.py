@@ -11,13 +11,9 @@ from scipy.spatial import cKDTree
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
+from hypernode.dic.header import LENGTHS
 from hypernode.dic.table import read_table
 
-#: Unit in a header -> (unit of a series, factor).
-UNITS = {
-    "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
-    "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
-}  # fmt: skip
 #: Length in mm or pixels from which it is none, as 1e308 that stands for a lost point.
 _ENDLESS = 1e12
 #: Distance of a point of the reference from its neighbour, over that of the points in the median, from which its
@@ -64,10 +60,10 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
         raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
         raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
-    unknown = sorted(name for name in named.values() if name.lower() not in UNITS)
+    unknown = sorted(name for name in named.values() if name.lower() not in LENGTHS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
-    known = {role: UNITS[name.lower()] for role, name in named.items()}
+    known = {role: LENGTHS[name.lower()] for role, name in named.items()}
     factors = [{known[role] for role in known if role not in others} for others in ("uv", "xy")]
     if len({unit for unit, _ in known.values()}) > 1 or max(map(len, factors)) > 1:
         every = ", ".join(sorted(set(named.values())))
@@ -97,7 +93,8 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     unit, *factors = unit_of(path, units, preamble, dialect)
     position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
     u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1)
-    u *= factors[1] * dialect.displacement_factor
+    u *= factors[1]
+    u = (u - position if dialect.positions else u) * dialect.displacement_factor
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan

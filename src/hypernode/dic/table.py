@@ -48,7 +48,7 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     lost = [failed(name, values, dialect.valid) for name, values in zip(marks, marked.T, strict=True)]
     cells = {role: table[:, k] for k, role in enumerate(roles)}
     cells["failed"] = np.any(lost, axis=0) if lost else np.zeros(len(rows), dtype=bool)
-    return cells, number, units, lines[: layout.header]
+    return cells, number, units, lines[: max(layout.header, 0)]
 
 
 def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:

@@ -13,6 +13,8 @@ _CLOCK = re.compile(
 #: Minutes and seconds of a stopwatch.
 _MINUTES = re.compile(r"^(?P<min>\d{1,3}):(?P<s>[0-5]\d(?:[.,]\d+)?)$")
 _DAY = 86400.0
+#: Days since 1900 of the years 1982 to 2078, by which spreadsheets write a time of day.
+_DAYS = (30_000.0, 65_000.0)
 
 
 def with_seconds(table: Table, column: int) -> Table:
@@ -25,7 +27,7 @@ def with_seconds(table: Table, column: int) -> Table:
     """
     found = [_seconds(cells[column].strip()) for _, cells in table.rows]
     if not found or found[0] is None:
-        return table
+        return _from_days(table, column)
     if None in found:
         line, cells = table.rows[found.index(None)]
         raise DicError(f"{table.path}:{line}: {cells[column][:40]!r} is no time of day as those above it are")
@@ -35,13 +37,31 @@ def with_seconds(table: Table, column: int) -> Table:
             days += _DAY
         seconds.append(each + days)
     comma = any("," in cell for _, cells in table.rows for k, cell in enumerate(cells) if k != column)
-    texts = [f"{each - seconds[0]:.6f}".replace(".", "," if comma else ".") for each in seconds]
+    return _with_times(table, column, [each - seconds[0] for each in seconds], comma)
+
+
+def _with_times(table: Table, column: int, seconds: list[float], comma: bool) -> Table:
+    texts = [f"{each:.6f}".replace(".", "," if comma else ".") for each in seconds]
     rows = [
         (line, [*cells[:column], text, *cells[column + 1 :]])
         for (line, cells), text in zip(table.rows, texts, strict=True)
     ]
     units = [*table.units[:column], "s", *table.units[column + 1 :]]
     return replace(table, rows=rows, units=units)
+
+
+def _from_days(table: Table, column: int) -> Table:
+    """The table with seconds in the place of a spreadsheet's days since 1900; as it is where it has none."""
+    if table.units[column]:
+        return table
+    try:
+        days = [float(cells[column].replace(",", ".")) for _, cells in table.rows]
+    except ValueError:
+        return table
+    if not all(low <= each <= high for each in days for low, high in (_DAYS,)) or max(days) - min(days) > 0.5:
+        return table
+    comma = any("," in cells[column] for _, cells in table.rows)
+    return _with_times(table, column, [_DAY * (each - days[0]) for each in days], comma)
 
 
 def _seconds(cell: str) -> float | None:

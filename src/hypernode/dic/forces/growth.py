@@ -17,8 +17,9 @@ _END = 0.25
 _STANDS = 0.1
 #: Fewest frames of the end, and before it.
 _FEWEST = 3
-#: What rubber that is pulled along both axes loses of its slope in a unit of strain, as a logarithm: 4.6 of a neo-Hookean
-#: sheet at a strain of a tenth, and up to thrice as much of laws with steep powers. Beyond that it is of another strain.
+#: What rubber that is pulled along both axes loses of its slope in a unit of strain, as a logarithm: 4.6 of a
+#: neo-Hookean sheet at a strain of a tenth, and up to thrice as much of laws with steep powers. What is beyond that is
+#: of another strain.
 _RUBBER, _SOFTENS = 4.6, 18.0
 #: Standard deviations by which that is told.
 _CURVED = 4.0
