@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
-from hypernode.dic import arrays
+from hypernode.dic import array_files, arrays
 from hypernode.dic.clock_names import times_of
 from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
@@ -15,7 +15,7 @@ from hypernode.dic.header import HEAD_BYTES, cells_of, is_number, shows
 from hypernode.dic.numbering import numbered
 from hypernode.dic.text import read_text, shown
 
-SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *arrays.SUFFIXES}
+SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *array_files.SUFFIXES}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
 _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
@@ -64,8 +64,8 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
             f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
-    if found.content in ("matrices", "ncorr", "arrays"):
-        if found.content != "matrices" and len(group) > 1:
+    if found.content in ("matrices", "ncorr") or (found.content == "arrays" and len(group) == 1):
+        if found.content == "ncorr" and len(group) > 1:
             raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
         return Found(found, dict(enumerate(group)), {})
     times = {path: float(match[1].replace(",", ".")) for path in group if (match := _TIME.search(path.name))}
@@ -94,7 +94,7 @@ def _skeleton(name: str) -> str:
 def _dialect_of(group: list[Path], known) -> Dialect | None:
     """The dialect of the first file of a group that shows one."""
     for path in group:
-        if path.suffix.lower() in arrays.SUFFIXES:
+        if path.suffix.lower() in array_files.SUFFIXES:
             held = next((each for each in known if each.content == "arrays"), None)
             if held and arrays.holds_frames(path, held.arrays):
                 return held
@@ -125,9 +125,14 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
     inner = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.*")))
     if inner and len(paths) < 2:
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
+    if not paths and (single := sorted(path.name for path in folder.glob("*.npy"))):
+        return (
+            f"{about} {shown(single)}, an array each: put them into one file, numpy.savez('test.npz', x=..., y=..., "
+            "u=..., v=..., force=...), u and v by frame and point"
+        )
     first, columns, more = "", "x: NAME, y: NAME, u: NAME, v: NAME", ""
     for path in paths[:1]:
-        if path.suffix.lower() in arrays.SUFFIXES:
+        if path.suffix.lower() in array_files.SUFFIXES:
             return f"{about} {shown(path.name for path in paths)}{arrays.said_of(path)}"
         lines = read_text(path, HEAD_BYTES).splitlines() or [""]
         first = f"; {path.name} begins {lines[0][:60]!r}"

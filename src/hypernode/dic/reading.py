@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.array_files import SUFFIXES
 from hypernode.dic.copies import Copies, without_copies
 from hypernode.dic.declared import Declared, declared_by
 from hypernode.dic.dialect import Dialect
@@ -103,7 +104,8 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
 
 def _refuse_others(first: Points, points: Points) -> None:
     """Nothing, where a frame is written as the first one is."""
-    refuse_cut_lines((first.path, points.path))
+    if first.path.suffix.lower() not in SUFFIXES:
+        refuse_cut_lines((first.path, points.path))
     if (points.unit, points.position.shape[1]) != (first.unit, first.position.shape[1]):
         raise DicError(f"{points.path}: other columns or units ({points.unit}) than {first.path.name}")
 
