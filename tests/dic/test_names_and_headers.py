@@ -168,3 +168,25 @@ def test_the_column_of_the_time_has_a_key(tmp_path):
     with pytest.raises(DicError, match="time_channel"):
         read_force_record(path)
     np.testing.assert_allclose(read_force_record(path, time="Zeitpunkt").time, [0.0, 1.0])
+
+
+def test_one_table_of_all_frames_is_read_by_its_column_of_frames(tmp_path):
+    y, x = np.meshgrid(LINES, LINES, indexing="ij")
+    cells = [np.stack([np.full(x.shape, 2.0 * k), x, y, u[..., 0], u[..., 1]], axis=-1) for k, u in enumerate(fields())]
+    path = tmp_path / "all.csv"
+    rows = np.concatenate(cells).reshape(-1, 5)
+    np.savetxt(path, rows, delimiter=",", header="frame,x [mm],y [mm],u [mm],v [mm]", comments="", fmt="%.6f")
+    series = read_series(tmp_path)
+    assert [frame.number for frame in series.frames] == list(range(0, 18, 2))
+    assert series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(1.92, abs=0.01)
+    path.write_text(path.read_text().replace("\n2.000000,", "\n2.500000,", 1))
+    with pytest.raises(DicError, match="holds no number of a frame"):
+        read_series(tmp_path)
+
+
+def test_positions_in_pixels_and_displacements_in_mm_are_told_the_factor_that_joins_them(tmp_path):
+    folder = write(tmp_path, fields(), header="x [px],y [px],u [mm],v [mm]")
+    with pytest.raises(DicError, match="--set displacement_factor=N"):
+        read_series(folder)
+    series = read_series(folder, declared=Declared(displacement_factor=20.0))
+    assert series.unit == "pixel" and series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(38.4, abs=0.2)

@@ -50,6 +50,24 @@ def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
     }
 
 
+def frames_of_stacked(path: Path, dialect: Dialect) -> dict[int, Points]:
+    """Frames of one table of all, by the column with their numbers.
+
+    Raises:
+        DicError: the table is broken, or a row has no number of a frame.
+    """
+    cells, line, units, preamble = read_table(path, dialect)
+    number = cells[dialect.frame]
+    if not (whole := np.isfinite(number) & (number == np.round(number))).all():
+        raise DicError(f"{path}:{line[np.argmin(whole)]}: {dialect.frame!r} holds no number of a frame")
+    frames = {}
+    for each in np.unique(number):
+        rows = number == each
+        part = {role: values[rows] for role, values in cells.items()}
+        frames[int(each)] = points_from(path, part, line[rows], units, preamble, dialect)
+    return frames
+
+
 def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]:
     """Frames of matrices ``NAME_U[mm].csv``, V, X and Y, without header; X and Y are positions in the deformed sheet.
 

@@ -33,6 +33,8 @@ _AXES = {
     "x": re.compile(r"hori[sz]ontal(?:e[rns]?)?|orizzontale|horizontaal|poziom[ay]"),
     "y": re.compile(r"verti[ck]al(?:e[rns]?)?|verticaal|pionow[ay]"),
 }
+#: Columns with the number of a frame, of tables that hold all of them.
+_FRAMES = ("frame", "framenumber", "frameno", "image", "imagenumber", "picture", "bild", "step", "loadstep", "stage")
 _SIGNS = (",", ";", "\t", " ")
 
 
@@ -65,6 +67,7 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
         return None
     stereo = {"z": _column(plain, "z", _PLACES, _MOVES), "w": _column(plain, "w", _PLACES, _MOVES)}
     columns |= {} if None in stereo.values() else stereo
+    frames = [k for k, name in enumerate(plain) if name in _FRAMES and k not in columns.values()]
     units = sorted({split[k][1] for k in columns.values()} - {""})
     decimals = (".",) if sign in (",", " ") else (".", ",")
     return replace(
@@ -75,6 +78,7 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
         layouts=tuple((sign, decimal) for decimal in decimals),
         deformed=deformed,
         positions=positions,
+        frame=split[frames[0]][0] if len(frames) == 1 else None,
         lost_position=not deformed,
     )
 

@@ -38,9 +38,11 @@ class Dialect:
         reference: whether the reference is exported as the first frame.
         incremental: text of the preamble that says that displacements are increments.
         time, force: names of their columns.
+        frame: name of the column with the number of the frame.
         preamble_unit, preamble_force: expressions whose group is the unit of length, and the force, in the preamble.
         content: how the file is made. ``frame`` is a table a frame, ``subset`` a table a point, ``matrices`` a file a
-            field. ``ncorr`` and ``arrays`` are one file for all. ``davis8`` has a first line instead of a header.
+            field. ``ncorr``, ``arrays`` and ``stacked`` are one file for all,
+            the last a table with a column ``frame``. ``davis8`` has a first line instead of a header.
     """
 
     name: str
@@ -71,6 +73,7 @@ class Dialect:
     incremental: str | None = None
     time: str | None = None
     force: str | None = None
+    frame: str | None = None
     preamble_unit: str | None = None
     preamble_force: str | None = None
     content: str = "frame"

@@ -64,6 +64,8 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
             f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
+    if found.frame and len(group) == 1:
+        return Found(replace(found, content="stacked"), {0: group[0]}, {})
     if found.content in ("matrices", "ncorr") or (found.content == "arrays" and len(group) == 1):
         if found.content == "ncorr" and len(group) > 1:
             raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
@@ -112,7 +114,8 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
                 if matrix and matrix["field"].upper() in ("U", "V", "X", "Y"):
                     return dialect
             elif shows(lines, dialect):
-                return dialect
+                stacked = named_table(lines) if known is DIALECTS and dialect.name == "table" else None
+                return stacked if stacked and stacked.frame else dialect
         if known is DIALECTS and (named := named_table(lines)):
             return named
     return None

@@ -67,7 +67,13 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     factors = [{known[role] for role in known if role not in others} for others in ("uv", "xy")]
     if len({unit for unit, _ in known.values()}) > 1 or max(map(len, factors)) > 1:
         every = ", ".join(sorted(set(named.values())))
-        raise DicError(f"{path}: positions and displacements in different units ({every})")
+        # A factor that is said takes displacements into the unit of the positions.
+        if dialect.displacement_factor == 1.0 or len(factors[0]) != 1:
+            raise DicError(
+                f"{path}: positions and displacements in different units ({every}): say what displacements are "
+                "multiplied by to be in the unit of the positions, --set displacement_factor=N: pixels in a mm, or mm "
+                "in a pixel"
+            )
     told = [next(iter(each or set(known.values()))) for each in factors]
     return told[0][0], told[0][1], told[1][1]
 

@@ -169,7 +169,7 @@ def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
     if not {"z", "w"} <= set(places):
         places = {role: k for role, k in places.items() if role not in "zw"}
     others = [name for name, _ in dialect.lost] + [dialect.time, dialect.force]
-    others += ["FRAME"] if dialect.content == "subset" else []
+    others += ["FRAME"] if dialect.content == "subset" else [dialect.frame] if dialect.content == "stacked" else []
     twice = [layout.names[k] for k in places.values() if layout.names.count(layout.names[k]) > 1]
     if twice:
         raise DicError(f"{path}:{layout.header + 1}: two columns {twice[0]!r}: rename the one that does not count")

@@ -102,6 +102,8 @@ def check_crosshead(
     ways = "check the unit of the displacements, pixel_size and the size"
     if refused and (factor := _power_of_ten(ratio)):
         ways = f"--set displacement_factor={factor:g} where displacements are in another unit than positions; {ways}"
+        if ratio < 1.0:
+            ways = f"the crosshead may be in another unit than its header says, which you may correct; {ways}"
     if not refused:
         ways += "; frames may be taken at another pace, --frame-rate, or grips slip"
     sentence = (
