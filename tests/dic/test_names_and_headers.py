@@ -130,9 +130,7 @@ def test_a_table_without_a_header_is_told_the_option_that_numbers_its_columns(tm
     folder = write(tmp_path, fields(), header="# a program's own words")
     for path in folder.glob("*.csv"):
         path.write_text(path.read_text().split("\n", 1)[1])
-    with pytest.raises(
-        DicError, match=r"has no header.*format=table --set \"table=\{x: 1, y: 2, u: 3, v: 4, unit"
-    ):
+    with pytest.raises(DicError, match=r"has no header.*format=table --set \"table=\{x: 1, y: 2, u: 3, v: 4, unit"):
         read_series(folder)
     test = Specimen.model_validate(
         {"folder": str(folder), "width": 12, "height": 12, "thickness": 1, "format": "table"}

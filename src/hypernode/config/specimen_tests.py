@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Union
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from hypernode.config.section import Count, Fraction, Positive, Section
+from hypernode.config.section import Count, Fraction, NonZero, Positive, Section
 
 #: How a specimen may be loaded.
 SpecimenLoad = Literal[
@@ -41,6 +41,8 @@ Format = Literal[
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
+
+
 #: An axis of the sheet, and the way along it.
 Way = Literal["x", "y", "-x", "-y"]
 #: What a test says of the errors of its forces, and a measurement in the same words.
@@ -163,8 +165,9 @@ class SpecimenTest(Section):
     force_offset: Union[float, dict[Axis, float], None] = None
     """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
     zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""
-    force_factor: Positive = 1.0
-    """What forces of the record are multiplied by, before force_offset: 9.80665 where it says N and means kilograms."""
+    force_factor: NonZero = 1.0
+    """What forces of the record are multiplied by, before force_offset: 9.80665 where it says N and means kilograms, -1
+    where it counts tension as negative."""
     force_uncertainty: Fraction = 0.01
     """Relative uncertainty of a force that no other force shares. What the unseen share of the width leaves open is
     told by the identified field, and comes on top."""

@@ -72,7 +72,7 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
             raise DicError(
                 f"{path}: positions and displacements in different units ({every}): say what displacements are "
                 "multiplied by to be in the unit of the positions, --set displacement_factor=N: pixels in a mm, or mm "
-                "in a pixel"
+                "in a pixel; or name other columns, with their units, format: table"
             )
     told = [next(iter(each or set(known.values()))) for each in factors]
     return told[0][0], told[0][1], told[1][1]
@@ -111,7 +111,10 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     if dialect.deformed:
         position = position - u
     keep = _all(np.abs(position) < _ENDLESS)
-    if not dialect.lost_position:
+    blank = _blank(cells)
+    if blank.any():
+        keep &= ~blank
+    elif not dialect.lost_position:
         keep &= _all(np.isfinite(u))
     elif not keep.all():
         raise DicError(f"{path}:{line[np.argmin(keep)]}: the position is not finite")
@@ -124,6 +127,12 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
         force = float(found[0]) if found else None
     moving = dialect.option(unit=unit, deformed="true")
     return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
+
+
+def _blank(cells) -> np.ndarray:
+    """Rows that hold nothing but zeros, where there are several: a program fills what it lost with them."""
+    zeros = functools.reduce(np.logical_and, [cells[role] == 0.0 for role in "xyuv"])
+    return zeros if zeros.sum() > 1 else np.zeros(len(zeros), dtype=bool)
 
 
 def _along_axes(u: np.ndarray, axes: tuple[str, str]) -> np.ndarray:

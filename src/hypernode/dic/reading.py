@@ -63,7 +63,7 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
     reference = _before(available) if implied else available[0]
     wanted = _wanted(folder, numbers, available, reference)
     _tell(folder, dialect, first, reference, implied)
-    at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
+    at_rest = _at_rest(first) if implied else first
     sheet = sheet_of(at_rest, reference, {} if declared.newest_first else found.times, declared.allow_out_of_plane)
     refuse_deformed_reference(sheet, dialect, lambda: read(available[-1]))
     frames, moved = [sheet.frame(at_rest, reference)], []
@@ -100,6 +100,12 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
         copies.inserted,
         copies.findings,
     )
+
+
+def _at_rest(first: Points) -> Points:
+    """The sheet at rest, which is in no file; without force, where frames say their forces."""
+    rest = np.zeros_like(first.displacement)
+    return replace(first, displacement=rest, force=None if first.force is None else 0.0, crosshead=None)
 
 
 def _refuse_others(first: Points, points: Points) -> None:

@@ -107,7 +107,9 @@ def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], di
         else:
             fields = line.split(None if layout.delimiter == " " else layout.delimiter)
         if len(fields) != width:
-            raise DicError(f"{where}: {len(fields)} fields, the header has {width}")
+            commas = layout.delimiter == "," and len(fields) == 2 * width
+            hint = ", as with decimal commas between commas: export with another separator" if commas else ""
+            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint}")
         values.append([number_in(fields[k], layout.decimal, dialect.blanks, where, line) for k in columns])
     return np.array(values)
 

@@ -1,6 +1,8 @@
 """Clock times of a record as seconds since its first sample."""
 
+import itertools
 import re
+import statistics
 from dataclasses import replace
 
 from hypernode.dic.errors import DicError
@@ -37,7 +39,24 @@ def with_seconds(table: Table, column: int) -> Table:
             days += _DAY
         seconds.append(each + days)
     comma = any("," in cell for _, cells in table.rows for k, cell in enumerate(cells) if k != column)
-    return _with_times(table, column, [each - seconds[0] for each in seconds], comma)
+    return _with_times(table, column, [each - seconds[0] for each in _spread(seconds)], comma)
+
+
+def _spread(seconds: list[float]) -> list[float]:
+    """Times of samples between two ticks of a clock that is coarser than they are, evenly from tick to tick.
+
+    The first tick may have begun before the record, so that its samples are the last ones of it.
+    """
+    ticks = [list(group) for _, group in itertools.groupby(seconds)]
+    if len(ticks) < 3 or (usual := statistics.median(map(len, ticks[1:-1]))) < 2:
+        return seconds
+    step = statistics.median(b[0] - a[0] for a, b in itertools.pairwise(ticks))
+    spread = []
+    for k, tick in enumerate(ticks):
+        count = max(usual, len(tick))
+        before = count - len(tick) if k == 0 else 0
+        spread += [each + step * (before + i) / count for i, each in enumerate(tick)]
+    return spread
 
 
 def _with_times(table: Table, column: int, seconds: list[float], comma: bool) -> Table:

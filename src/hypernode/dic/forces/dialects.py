@@ -205,6 +205,7 @@ DIALECTS = (
             image=image,
             units=units,
             preamble=20,
+            delimiters=",;\t ",
         )
         for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))
         for name, units, written in (
