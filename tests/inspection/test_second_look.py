@@ -104,3 +104,16 @@ def test_forces_of_arrays_without_the_sheet_at_rest_belong_to_their_frames(tmp_p
     np.savez(folder / "pull.npz", x=x, y=y, u=u[..., 0], v=u[..., 1], force=force_at(STEP * np.arange(1, 9)))
     given = {**GIVEN, "arrays": {"unit": "mm"}, "implied_reference": True}
     assert right(inspect(folder, given), lambda number: STEP * (number + 1))
+
+
+def test_rubbish_that_a_column_tells_is_refused_with_the_key_of_that_column(tmp_path):
+    rng = np.random.default_rng(4)
+    gone = rng.random((13, 13)) < 0.06
+    # Beside the ends, by which a load is told.
+    gone[1:3, 2:5] = gone[-3:-1, 6:9] = True
+    frames = [np.where(gone[..., None] & (k > 0), rng.normal(0.0, 1.0, u.shape), u) for k, u in enumerate(fields())]
+    more = lambda k, u: [0.0 * u[..., 0], np.where(gone & (k > 0), 0.3, 0.98)]  # noqa: E731
+    folder = write(tmp_path / "pull", frames, header=HEADER + ",exx,zncc", more=more)
+    record(folder, "Time (s),Force (N)", lambda t, way, f: f"{t:.2f},{f:.6f}")
+    assert "valid={zncc: [LOW, HIGH]}" in said_of(inspect(folder, GIVEN))
+    right(inspect(folder, {**GIVEN, "valid": {"zncc": [0.8, None]}}))

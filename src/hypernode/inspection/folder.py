@@ -17,7 +17,7 @@ from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.dic.text import without_braces
-from hypernode.inspection.content import Content, content_of
+from hypernode.inspection.content import Content, columns_beside, content_of
 from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
 from hypernode.inspection.forces import Course, courses, going_on
@@ -210,6 +210,19 @@ def _no_clock(seen: Inspection, cycle: Cycle) -> str:
     )
 
 
+def _otherwise(seen: Inspection) -> str:
+    """What else a load may be that was taken from the frames and needs two forces, as its record has one."""
+    guess = seen.known.guesses.get("load")
+    if guess is None or seen.known.settings["load"] not in _TWO_FORCES:
+        return ""
+    sentence = f"; the load is taken from the frames ({guess}), --load KIND says another"
+    for column in columns_beside(seen.content.frames)[:1]:
+        sentence += (
+            f"; points that a program failed at may be told by a column, --set 'valid={{{column}: [LOW, HIGH]}}'"
+        )
+    return sentence
+
+
 def _imported(seen: Inspection) -> Inspection:
     """The import itself, which has the last word."""
     with heard() as said:
@@ -218,10 +231,7 @@ def _imported(seen: Inspection) -> Inspection:
             sheet = import_specimen(specimen, full=None if specimen.frames else seen.field.series)
             without_braces(map(str, sheet.files))
         except DicError as error:
-            # A force that is missing is often one that another load would not need.
-            guess = seen.known.guesses.get("load")
-            why = f"; the load is taken from the frames ({guess}), --load KIND says another" if guess else ""
-            return _and(seen, missing(str(error) + why * (seen.known.settings["load"] in _TWO_FORCES)))
+            return _and(seen, missing(f"{error}{_otherwise(seen)}"))
     told = {remark.sentence for remark in seen.known.odd}
     findings = [odd(each) for case in sheet.cases for each in case.findings if each not in told]
     # Frames, noise and records stand in other attributes, and warnings among what is odd.
