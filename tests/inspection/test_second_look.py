@@ -5,7 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from hypernode.dic.dialects import BY_NAME
 from hypernode.dic.forces.clock_times import _spread
+from hypernode.dic.points import read_points
 from hypernode.inspection.folder import inspect
 from hypernode.inspection.report import report
 from tests.dic.pulls import HEADER, LINES, STEP, fields, write
@@ -117,3 +119,12 @@ def test_rubbish_that_a_column_tells_is_refused_with_the_key_of_that_column(tmp_
     record(folder, "Time (s),Force (N)", lambda t, way, f: f"{t:.2f},{f:.6f}")
     assert "valid={zncc: [LOW, HIGH]}" in said_of(inspect(folder, GIVEN))
     right(inspect(folder, {**GIVEN, "valid": {"zncc": [0.8, None]}}))
+
+
+def test_rows_of_zeros_leave_other_lost_points_of_a_program_lost(tmp_path):
+    header = "X,Y,U,V,sigma"
+    rows = ["0,0,0,0,-1", "0,0,0,0,-1", "7.5,0.3,0,0,-1", "1,1,0.1,0.2,0.01", "2,1,0.1,0.3,0.01"]
+    path = tmp_path / "f.csv"
+    path.write_text("\n".join([header, *rows]) + "\n")
+    # A lost point of this program has a dummy for its position.
+    np.testing.assert_array_equal(read_points(path, BY_NAME["vic3d"]).position, [[1.0, 1.0], [2.0, 1.0]])

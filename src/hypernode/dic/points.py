@@ -110,14 +110,12 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     u[:, :2] = _along_axes(u[:, :2], dialect.displacement_axes)
     if dialect.deformed:
         position = position - u
-    keep = _all(np.abs(position) < _ENDLESS)
-    blank = _blank(cells)
-    if blank.any():
-        keep &= ~blank
-    elif not dialect.lost_position:
+    known, blank = _all(np.abs(position) < _ENDLESS), _blank(cells)
+    keep = known & ~blank
+    if not dialect.lost_position:
         keep &= _all(np.isfinite(u))
-    elif not keep.all():
-        raise DicError(f"{path}:{line[np.argmin(keep)]}: the position is not finite")
+    elif not known.all():
+        raise DicError(f"{path}:{line[np.argmin(known)]}: the position is not finite")
     if not keep.any():
         raise DicError(f"{path}: every point is lost")
     time = float(cells[dialect.time][0]) if dialect.time in cells else None
