@@ -146,3 +146,70 @@ def test_arrays_of_one_component_each_are_read_as_those_of_both(tmp_path):
     scipy.io.savemat(tmp_path / "pull.mat", {**each, "U": flat["DIC_disp"][..., 0], "V": flat["DIC_disp"][..., 1]})
     case = inspect(tmp_path, {**SIZE, "arrays": {"unit": "mm"}}).sheet.cases[0]
     assert case.stretch[-1] == pytest.approx(1.16, abs=0.002) and case.force[1, 1][-1] == pytest.approx(4.0)
+
+
+def of_two_axes():
+    """Lines of a grid of 13 x 12 points, u and v (frame, row, column), and forces."""
+    u = np.stack(fields())[:, :12]
+    return LINES, LINES[:12], u[..., 0], u[..., 1], 0.5 * np.arange(9.0)
+
+
+def right(case, force=4.0):
+    assert case.stretch[-1] == pytest.approx(1.16, abs=0.002)
+    assert case.force[1, 1][-1] == pytest.approx(force)
+
+
+@pytest.mark.parametrize("turn", [False, True])
+def test_positions_may_be_the_lines_of_a_grid(tmp_path, turn):
+    x, y, u, v, force = of_two_axes()
+    u, v = (np.swapaxes(each, 1, 2) if turn else each for each in (u, v))
+    np.savez(tmp_path / "pull.npz", x=x, y=y, u=u, v=v, force=force)
+    test = specimen(tmp_path, arrays={"unit": "mm"})
+    right(import_load_case(test, test))
+
+
+def test_lines_of_a_square_grid_are_not_taken_for_points(tmp_path):
+    u = np.stack(fields())
+    np.savez(tmp_path / "pull.npz", x=LINES, y=LINES, u=u[..., 0], v=u[..., 1], force=0.5 * np.arange(9.0))
+    test = specimen(tmp_path, arrays={"unit": "mm"})
+    right(import_load_case(test, test))
+
+
+def test_arrays_in_a_group_are_read(tmp_path):
+    with netCDF4.Dataset(tmp_path / "pull.h5", "w") as file:
+        group = file.createGroup("dic")
+        for name, value in images().items():
+            axes = [f"{name}_{k}" for k in range(value.ndim)]
+            for axis, size in zip(axes, value.shape, strict=True):
+                group.createDimension(axis, size)
+            group.createVariable(name, value.dtype, axes)[...] = value
+    test = specimen(tmp_path)
+    right(import_load_case(test, test))
+
+
+@pytest.mark.parametrize("moving", [0.0, 1.0])
+def test_positions_of_every_frame_are_those_at_rest_or_move_with_the_sheet(tmp_path, moving):
+    whole = images()
+    positions = whole["DIC_X"] + moving * whole["DIC_disp"]
+    np.savez(tmp_path / "pull.npz", **whole | {"DIC_X": np.broadcast_to(positions, whole["DIC_disp"].shape)})
+    test = specimen(tmp_path)
+    right(import_load_case(test, test))
+    np.savez(tmp_path / "pull.npz", **whole | {"DIC_X": whole["DIC_X"] + 0.5 * whole["DIC_disp"]})
+    with pytest.raises(DicError, match="store those at rest as"):
+        read_test(test)
+
+
+def test_a_file_of_arrays_a_frame_is_a_series(tmp_path):
+    x, y, u, v, _ = of_two_axes()
+    for k in range(9):
+        np.savez(tmp_path / f"frame{k:02d}.npz", x=x, y=y, u=u[k], v=v[k])
+    series = read_test(specimen(tmp_path, arrays={"unit": "mm"}))
+    assert [frame.number for frame in series.frames] == list(range(9))
+    np.testing.assert_allclose(series.frames[8].displacement[..., 1], v[8])
+
+
+def test_single_arrays_are_told_how_they_become_one_file(tmp_path):
+    for name, values in zip("xyuv", of_two_axes(), strict=False):
+        np.save(tmp_path / name, values)
+    with pytest.raises(DicError, match=r"'u.npy'.*numpy.savez"):
+        read_test(specimen(tmp_path))

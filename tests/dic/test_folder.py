@@ -5,7 +5,7 @@ import pytest
 from hypernode.config.loading import ConfigError, check_config
 from hypernode.dic.dialects import BY_NAME
 from hypernode.dic.errors import DicError
-from hypernode.dic.folder import numbered
+from hypernode.dic.numbering import numbered
 from hypernode.dic.reading import read_series, read_test
 from tests.dic.exports import specimen, write
 
@@ -38,6 +38,7 @@ def test_pixels_need_their_size_and_millimetres_none(tmp_path, capsys):
         (["pull2024_9.csv", "pull2024_10.csv"], [9, 10]),
         (["DICe_solution_01.txt", "DICe_solution_11.txt"], [1, 11]),
         (["17_A-4B_pull-sys1-0003_0.csv"], [3]),
+        ([f"sheet2_step{k:02d}_{load}N.csv" for k, load in enumerate(("0.00", "0.91", "1.13", "10.02"))], [0, 1, 2, 3]),
     ],
 )
 def test_frames_are_numbered_by_the_digits_that_vary(tmp_path, names, numbers):

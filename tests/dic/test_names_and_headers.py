@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hypernode.config.specimens import Specimen
 from hypernode.dic.clock_names import times_of
 from hypernode.dic.column_names import named_table
 from hypernode.dic.declared import Declared
@@ -10,9 +11,9 @@ from hypernode.dic.dialects import declared
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import find_series
 from hypernode.dic.forces.record import read_force_record
-from hypernode.dic.reading import read_series
+from hypernode.dic.reading import read_series, read_test
 
-from .pulls import fields, write, write_record
+from .pulls import LINES, fields, write, write_record
 
 
 @pytest.mark.parametrize(
@@ -72,7 +73,7 @@ def test_positions_that_move_with_the_sheet_are_named(tmp_path):
     folder = write(tmp_path, fields(), deformed=True)
     with pytest.raises(DicError, match=r"positions move with the sheet.*deformed: true"):
         read_series(folder)
-    table = declared("x", "y", "u", "v", None, ",", ".", True)
+    table = declared("x", "y", "u", "v", ",", ".", True)
     assert np.nanmax(read_series(folder, dialect=table).frames[-1].displacement[..., 1]) == pytest.approx(
         1.92, abs=0.02
     )
@@ -86,6 +87,9 @@ HEADERS = [
     ("x-Koordinate [mm],y-Koordinate [mm],x-Verschiebung [mm],y-Verschiebung [mm]", "mm"),
     ("X [mm],Y [mm],Déplacement X [mm],Déplacement Y [mm]", "mm"),
     ("x [µm],y [µm],ux [µm],uy [µm]", "µm"),
+    ("Coordenada X [mm],Coordenada Y [mm],Desplazamiento X [mm],Desplazamiento Y [mm]", "mm"),
+    ("Coordinata x (mm),Coordinata y (mm),Spostamento x (mm),Spostamento y (mm)", "mm"),
+    ("x-coordinate (mm),y-coordinate (mm),horizontal displacement (mm),vertical displacement (mm)", "mm"),
 ]
 
 
@@ -105,7 +109,40 @@ def test_a_header_that_does_not_say_all_columns_once_is_none(header):
 def test_columns_may_be_named_with_their_units(tmp_path):
     folder = write(tmp_path, fields(), header=HEADERS[0][0])
     names = HEADERS[0][0].split(",")
-    assert read_series(folder, dialect=declared(*names, None, ",", ".", False)).unit == "mm"
+    assert read_series(folder, dialect=declared(*names, ",", ".", False)).unit == "mm"
+
+
+def test_units_may_stand_in_a_line_below_the_names(tmp_path):
+    series = read_series(write(tmp_path, fields(), header="x,y,u,v\n[mm],[mm],[mm],[mm]"))
+    assert series.unit == "mm" and series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(1.92, abs=0.01)
+
+
+def test_positions_before_and_after_are_displacements(tmp_path):
+    ends = [u + np.stack(np.meshgrid(LINES, LINES), axis=-1) for u in fields()]
+    series = read_series(write(tmp_path / "named", ends, header="x0 [mm],y0 [mm],x1 [mm],y1 [mm]"))
+    assert series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(1.92, abs=0.01)
+    table = declared("x", "y", "u", "v", ",", ".", False, unit="mm", positions=True)
+    declared_so = read_series(write(tmp_path / "said", ends), dialect=table)
+    np.testing.assert_array_equal(declared_so.frames[-1].displacement, series.frames[-1].displacement)
+
+
+def test_a_table_without_a_header_is_told_the_option_that_numbers_its_columns(tmp_path):
+    folder = write(tmp_path, fields(), header="# a program's own words")
+    for path in folder.glob("*.csv"):
+        path.write_text(path.read_text().split("\n", 1)[1])
+    with pytest.raises(DicError, match=r"has no header.*format=table --set \"table=\{x: 1, y: 2, u: 3, v: 4, unit"):
+        read_series(folder)
+    test = Specimen.model_validate(
+        {"folder": str(folder), "width": 12, "height": 12, "thickness": 1, "format": "table"}
+        | {"table": {"x": 1, "y": 2, "u": 3, "v": 4, "unit": "mm"}}
+    )
+    assert read_test(test).frames[-1].displacement[-1, :, 1].mean() == pytest.approx(1.92, abs=0.01)
+
+
+def test_days_of_a_spreadsheet_in_a_record_are_seconds_since_the_first(tmp_path):
+    path = write_record(tmp_path, 8, lambda t: f"{45352.99995 + t / 86400.0:.9f}") / "force_disp.csv"
+    path.write_text(path.read_text().replace("(s),(N)", ",(N)"))
+    np.testing.assert_allclose(read_force_record(path).time, np.arange(0.0, 8.05, 0.1), atol=1e-4)
 
 
 def test_a_table_without_units_is_told_the_option_that_says_them(tmp_path):
@@ -129,3 +166,25 @@ def test_the_column_of_the_time_has_a_key(tmp_path):
     with pytest.raises(DicError, match="time_channel"):
         read_force_record(path)
     np.testing.assert_allclose(read_force_record(path, time="Zeitpunkt").time, [0.0, 1.0])
+
+
+def test_one_table_of_all_frames_is_read_by_its_column_of_frames(tmp_path):
+    y, x = np.meshgrid(LINES, LINES, indexing="ij")
+    cells = [np.stack([np.full(x.shape, 2.0 * k), x, y, u[..., 0], u[..., 1]], axis=-1) for k, u in enumerate(fields())]
+    path = tmp_path / "all.csv"
+    rows = np.concatenate(cells).reshape(-1, 5)
+    np.savetxt(path, rows, delimiter=",", header="frame,x [mm],y [mm],u [mm],v [mm]", comments="", fmt="%.6f")
+    series = read_series(tmp_path)
+    assert [frame.number for frame in series.frames] == list(range(0, 18, 2))
+    assert series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(1.92, abs=0.01)
+    path.write_text(path.read_text().replace("\n2.000000,", "\n2.500000,", 1))
+    with pytest.raises(DicError, match="holds no number of a frame"):
+        read_series(tmp_path)
+
+
+def test_positions_in_pixels_and_displacements_in_mm_are_told_the_factor_that_joins_them(tmp_path):
+    folder = write(tmp_path, fields(), header="x [px],y [px],u [mm],v [mm]")
+    with pytest.raises(DicError, match="--set displacement_factor=N"):
+        read_series(folder)
+    series = read_series(folder, declared=Declared(displacement_factor=20.0))
+    assert series.unit == "pixel" and series.frames[-1].displacement[-1, :, 1].mean() == pytest.approx(38.4, abs=0.2)

@@ -3,11 +3,20 @@
 import re
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 #: Names of entries become parts of file names.
 NAME = re.compile(r"^[A-Za-z0-9][A-Za-z0-9_.-]*$")
 
+
+def _non_zero(value: float) -> float:
+    if value == 0.0:
+        raise ValueError("a factor of 0 leaves nothing")
+    return value
+
+
+#: A factor that may turn a sign.
+NonZero = Annotated[float, AfterValidator(_non_zero), Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
 Fraction = Annotated[float, Field(ge=0, le=1)]

@@ -2,9 +2,9 @@
 
 from typing import Annotated, Literal, Union
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from hypernode.config.section import Count, Fraction, Positive, Section
+from hypernode.config.section import Count, Fraction, NonZero, Positive, Section
 
 #: How a specimen may be loaded.
 SpecimenLoad = Literal[
@@ -41,6 +41,10 @@ Format = Literal[
 ]  # fmt: skip
 #: The machine's axes.
 Axis = Literal["x", "y"]
+
+
+#: An axis of the sheet, and the way along it.
+Way = Literal["x", "y", "-x", "-y"]
 #: What a test says of the errors of its forces, and a measurement in the same words.
 FORCE_ERRORS = ("force_uncertainty", "force_gain_uncertainty", "force_offset_uncertainty")
 #: What selects load steps; only one of them is given.
@@ -49,16 +53,20 @@ SELECTIONS = ("frames", "stretches", "times", "load_steps")
 LOAD_STEPS = 5
 
 
+#: Name of a column, or its number.
+Column = Annotated[str, BeforeValidator(lambda said: str(said) if type(said) is int else said)]
+
+
 class Table(Section):
     """Columns of displacement files that no known software wrote."""
 
-    x: str = "x"
-    """Name of the column of the position along x, without its unit."""
-    y: str = "y"
+    x: Column = "x"
+    """Name of the column of the position along x, without its unit; its number, from 1 on, where no line has names."""
+    y: Column = "y"
     """The same along y."""
-    u: str = "u"
+    u: Column = "u"
     """Name of the column of the displacement along x, without its unit."""
-    v: str = "v"
+    v: Column = "v"
     """The same along y."""
     unit: Literal["pixel", "mm"] | None = None
     """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
@@ -68,6 +76,8 @@ class Table(Section):
     """Decimal sign."""
     deformed: bool = False
     """Whether positions are those in the deformed sheet."""
+    positions: bool = False
+    """Whether u and v hold positions in the deformed sheet in the place of displacements."""
 
 
 class Arrays(Section):
@@ -113,6 +123,9 @@ class SpecimenTest(Section):
     displacement_factor: Positive | None = None
     """What displacements of the frames are multiplied by, where they are in another unit than positions. Left out, 1,
     and a sheet that narrows as if it were pulled much further, or less, is said; 1 says that they are right."""
+    displacement_axes: tuple[Way, Way] = ("x", "y")
+    """Axes of the files' positions along which their u and v point: `[y, x]` where the columns are swapped, `[x, -y]`
+    where v points the other way."""
     repeated_frames: Literal["inserted", "missed"] | None = None
     """What a frame is that equals the one before to the last bit: inserted, so that those after it are earlier, or in
     the place of a picture that the camera missed. Left out, the motion tells."""
@@ -152,8 +165,9 @@ class SpecimenTest(Section):
     force_offset: Union[float, dict[Axis, float], None] = None
     """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
     zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""
-    force_factor: Positive = 1.0
-    """What forces of the record are multiplied by, before force_offset: 9.80665 where it says N and means kilograms."""
+    force_factor: NonZero = 1.0
+    """What forces of the record are multiplied by, before force_offset: 9.80665 where it says N and means kilograms, -1
+    where it counts tension as negative."""
     force_uncertainty: Fraction = 0.01
     """Relative uncertainty of a force that no other force shares. What the unseen share of the width leaves open is
     told by the identified field, and comes on top."""
@@ -201,6 +215,12 @@ class SpecimenTest(Section):
     def _one_noise(self):
         if self.noise_pixels is not None and self.noise_mm is not None:
             raise ValueError("give only one of noise_pixels, noise_mm")
+        return self
+
+    @model_validator(mode="after")
+    def _both_axes(self):
+        if self.displacement_axes[0].lstrip("-") == self.displacement_axes[1].lstrip("-"):
+            raise ValueError("displacement_axes: one of both is along x and the other along y, as [y, x] or [x, -y]")
         return self
 
     @property

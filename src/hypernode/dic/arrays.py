@@ -1,6 +1,5 @@
 """Frames of one file of arrays: npz, HDF5 or MATLAB, with positions, displacements and forces under known names."""
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import permutations
@@ -8,75 +7,36 @@ from pathlib import Path
 
 import numpy as np
 
+from hypernode.dic.array_files import COMPONENTS, arrays_in
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.points import Points, points_from
 from hypernode.dic.text import shown
 
-#: Endings of such files.
-SUFFIXES = {".npz", ".h5", ".hdf5", ".mat"}
-#: Names of arrays that hold one component each.
-COMPONENTS = {
-    "positions": (("x", "y"), ("X", "Y")),
-    "displacements": (("u", "v"), ("U", "V"), ("ux", "uy"), ("Ux", "Uy"), ("UX", "UY")),
-}
 #: Names by what an array holds; those of the configuration come before them.
 NAMES = {
-    "positions": ("DIC_X", "positions", *map(" ".join, COMPONENTS["positions"]), "X", "coordinates"),
-    "displacements": ("DIC_disp", "displacements", *map(" ".join, COMPONENTS["displacements"]), "U", "disp"),
-    "force": ("instron_force", "force", "F"),
+    "positions": (
+        "DIC_X",
+        "positions",
+        *map(" ".join, COMPONENTS["positions"]),
+        "X",
+        "coordinates",
+        "coords",
+        "points",
+    ),
+    "displacements": (
+        *("DIC_disp", "displacements", *map(" ".join, COMPONENTS["displacements"])),
+        *("U", "disp", "displacement"),
+    ),
+    "force": ("instron_force", "force", "F", "load", "forces", "Force"),
     "crosshead": ("instron_disp", "crosshead", "crosshead_displacement"),
     "time": ("time", "instron_time", "t"),
     "label": ("label", "labels"),
 }
 #: Arrays whose unit is known by their name.
 _MILLIMETRES = ("DIC_X",)
-_HDF5 = b"\x89HDF\r\n\x1a\n"
-#: What readers of such files raise where one is broken.
-_BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFError, RuntimeError, zipfile.BadZipFile)
-
-
-def arrays_in(path: Path) -> dict[str, np.ndarray]:
-    """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those at the top.
-
-    One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both.
-
-    Raises:
-        DicError: it cannot be read.
-    """
-    arrays = _arrays_in(path)
-    for pair in (pair for pairs in COMPONENTS.values() for pair in pairs):
-        first, second = (arrays.get(name) for name in pair)
-        if first is not None and second is not None and first.shape == second.shape:
-            arrays[" ".join(pair)] = np.stack([first, second], axis=-1)
-    return arrays
-
-
-def _arrays_in(path: Path) -> dict[str, np.ndarray]:
-    try:
-        if path.suffix.lower() == ".npz":
-            with np.load(path, allow_pickle=False) as file:
-                return {name: file[name] for name in file.files if file[name].dtype.kind in "fiu"}
-        with open(path, "rb") as handle:
-            start = handle.read(520)
-        if _HDF5 in (start[:8], start[512:520]):
-            return _of_hdf5(path)
-        import scipy.io
-
-        return {k: v for k, v in scipy.io.loadmat(path).items() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"}
-    except _BROKEN as error:
-        raise DicError(f"{path}: cannot be read as arrays: {error}") from None
-
-
-def _of_hdf5(path: Path) -> dict[str, np.ndarray]:
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_maskandscale(False)
-        numeric = {k: v for k, v in file.variables.items() if isinstance(v.dtype, np.dtype) and v.dtype.kind in "fiu"}
-        found = {name: np.array(variable[...]) for name, variable in numeric.items()}
-    # MATLAB writes its columns first.
-    return {name: each.T if path.suffix.lower() == ".mat" else each for name, each in found.items()}
+#: Share of the largest position within which positions of two frames are alike.
+_ROUNDING = 1e-6
 
 
 def holds_frames(path: Path, names: Mapping[str, str | None]) -> bool:
@@ -100,13 +60,21 @@ def said_of(path: Path) -> str:
     )
 
 
-def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
+def frames_of_arrays(
+    path: Path, dialect: Dialect, arrays: Mapping[str, np.ndarray] | None = None, courses: bool = True
+) -> dict[int, Points]:
     """Frames of a file of arrays, numbered from 0 on.
+
+    Args:
+        path: the file.
+        dialect: with the names of its arrays.
+        arrays: what it holds, where that was read already.
+        courses: whether it has a time, a force and the way of a crosshead of every frame.
 
     Raises:
         DicError: an array is absent, or of a shape that does not fit the others.
     """
-    arrays = arrays_in(path)
+    arrays = arrays_in(path) if arrays is None else arrays
     if dialect.unit is None and named(arrays, "positions", dialect.arrays) in _MILLIMETRES:
         dialect = replace(dialect, unit="mm")
     position = positions_in(path, arrays, dialect.arrays)
@@ -115,7 +83,8 @@ def frames_of_arrays(path: Path, dialect: Dialect) -> dict[int, Points]:
         displacement = displacement.T
     u = _in_order(path, displacement, position.shape[:-1])
     position = position.reshape(-1, 2)
-    course = {role: _course(path, arrays, role, len(u), dialect) for role in ("time", "force", "crosshead")}
+    roles = ("time", "force", "crosshead") if courses else ()
+    course = {role: _course(path, arrays, role, len(u), dialect) for role in roles}
     line = np.arange(1, len(position) + 1)
     frames = {}
     for number, each in enumerate(u):
@@ -133,11 +102,43 @@ def positions_in(path: Path, arrays: Mapping[str, np.ndarray], names: Mapping[st
         DicError: there are none, or of another shape.
     """
     stored = _array(path, arrays, "positions", names)
+    displacements = named(arrays, "displacements", names)
+    if displacements and stored.ndim > 2 and arrays[displacements].shape == stored.shape:
+        stored = _of_the_first(path, stored.astype(float), arrays[displacements].astype(float))
     position = np.squeeze(stored).astype(float)
     position = position.T if _components_first(stored) else position
     if position.ndim not in (2, 3) or position.shape[-1] != 2:
         raise DicError(f"{path}: positions of shape {position.shape}: store them as (point, 2) or (row, column, 2)")
     return position
+
+
+def _of_the_first(path: Path, position: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Positions at rest, of those that are stored for every frame, at rest or in the deformed sheet.
+
+    Raises:
+        DicError: they are neither.
+    """
+    for there in (position, position - u):
+        scatter = np.nan_to_num(np.abs(there - there[:1]))
+        if scatter.max() <= _ROUNDING * np.nanmax(np.abs(position)):
+            return there[0]
+    raise DicError(
+        f"{path}: positions of shape {position.shape}, one a frame, are neither those at rest nor those with the "
+        "displacements: store those at rest as (point, 2) or (row, column, 2)"
+    )
+
+
+def frame_of_arrays(path: Path, dialect: Dialect) -> Points:
+    """The one frame of a file that holds no more.
+
+    Raises:
+        DicError: as :func:`frames_of_arrays`.
+    """
+    arrays = arrays_in(path)
+    name = named(arrays, "displacements", dialect.arrays)
+    u = np.squeeze(_array(path, arrays, "displacements", dialect.arrays))
+    # Frames are told from places where there are two of them.
+    return frames_of_arrays(path, dialect, arrays | {name: np.stack([u, u])}, courses=False)[0]
 
 
 def _components_first(stored: np.ndarray) -> bool:
@@ -180,9 +181,10 @@ def _in_order(path: Path, u: np.ndarray, grid: tuple[int, ...]) -> np.ndarray:
     # The frame first and the component last is the usual order, and is tried first.
     orders = sorted(permutations(range(u.ndim), 2), key=lambda each: (each[1] != u.ndim - 1, each[0]))
     for frame, component in orders:
-        places = [axis for axis in range(u.ndim) if axis not in (frame, component)]
-        if tuple(u.shape[axis] for axis in places) == grid and u.shape[component] == 2 and u.shape[frame] > 1:
-            return np.transpose(u, (frame, *places, component)).reshape(u.shape[frame], -1, 2)
+        kept = [axis for axis in range(u.ndim) if axis not in (frame, component)]
+        for places in (kept, kept[::-1]):
+            if tuple(u.shape[axis] for axis in places) == grid and u.shape[component] == 2 and u.shape[frame] > 1:
+                return np.transpose(u, (frame, *places, component)).reshape(u.shape[frame], -1, 2)
     store = "(frame, point, 2)" if len(grid) == 1 else "(frame, row, column, 2)"
     at = " x ".join(map(str, grid))
     raise DicError(f"{path}: displacements of shape {u.shape} for {at} points: store them as {store}")

@@ -7,8 +7,10 @@ import numpy as np
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
-from hypernode.dic.folder import MATRIX, numbered
-from hypernode.dic.points import UNITS, Points, points_from
+from hypernode.dic.folder import MATRIX
+from hypernode.dic.header import LENGTHS
+from hypernode.dic.numbering import numbered
+from hypernode.dic.points import Points, points_from
 from hypernode.dic.table import number_in, read_table
 from hypernode.dic.text import read_text, refuse_cut_lines
 from hypernode.installation import needs
@@ -46,6 +48,24 @@ def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
         )
         for number, found in sorted(rows.items())
     }
+
+
+def frames_of_stacked(path: Path, dialect: Dialect) -> dict[int, Points]:
+    """Frames of one table of all, by the column with their numbers.
+
+    Raises:
+        DicError: the table is broken, or a row has no number of a frame.
+    """
+    cells, line, units, preamble = read_table(path, dialect)
+    number = cells[dialect.frame]
+    if not (whole := np.isfinite(number) & (number == np.round(number))).all():
+        raise DicError(f"{path}:{line[np.argmin(whole)]}: {dialect.frame!r} holds no number of a frame")
+    frames = {}
+    for each in np.unique(number):
+        rows = number == each
+        part = {role: values[rows] for role, values in cells.items()}
+        frames[int(each)] = points_from(path, part, line[rows], units, preamble, dialect)
+    return frames
 
 
 def frames_of_matrices(files: list[Path], dialect: Dialect) -> dict[int, Points]:
@@ -117,7 +137,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
             u, v = (_fields(file, saved["displacements"][f"plot_{k}_ref_formatted"]) for k in "uv")
     except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
         raise DicError(f"{path}: not what Ncorr saves as data_dic_save: {error}") from None
-    if unit.lower() not in UNITS:
+    if unit.lower() not in LENGTHS:
         raise DicError(f"{path}: lengths in {unit!r}: analyse again in mm or pixels")
     if len(u) != len(v):
         raise DicError(f"{path}: {len(u)} fields of u and {len(v)} of v: save data_dic_save again")
@@ -125,7 +145,7 @@ def frames_of_ncorr(path: Path, dialect: Dialect) -> dict[int, Points]:
         raise DicError(f"{path}: fields of different sizes: save data_dic_save again")
     if not (0.0 <= spacing < np.inf and 0.0 < scale < np.inf):
         raise DicError(f"{path}: spacing {spacing:g} and pixtounits {scale:g}: set the units again and save")
-    step = (spacing + 1.0) * (scale if UNITS[unit.lower()][0] == "mm" else 1.0)
+    step = (spacing + 1.0) * (scale if LENGTHS[unit.lower()][0] == "mm" else 1.0)
     x, y = np.meshgrid(*(step * np.arange(n) for n in reversed(u[0].shape)))
     line = np.ones(x.size, dtype=int)
     frames = {}

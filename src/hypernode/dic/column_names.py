@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME
-from hypernode.dic.header import cells_of
-from hypernode.dic.points import UNITS
+from hypernode.dic.header import LENGTHS, cells_of
 
 #: Lines in which such a header is looked for.
 _LINES = 60
@@ -15,16 +14,27 @@ _LINES = 60
 _UNIT = re.compile(
     r"^(?P<name>.*?)(?:\s*[\[(](?P<in>[^\[\]()]*)[\])]|\s*(?:[_,/]|\s|\bin\b)\s*(?P<after>mm|px|pixels?|um|µm|cm))$"
 )
-_PLACES = (
-    *("{}", "{}0", "{}pos", "{}position", "position{}", "pos{}", "{}coord", "{}coordinate", "coord{}", "coordinate{}"),
-    *("{}ref", "{}reference", "reference{}", "{}undeformed", "undeformed{}", "{}undef", "{}koordinate", "koordinate{}"),
-    *("{}coordonnée", "coordonnée{}", "coordonnee{}", "{}location", "location{}", "points{}", "point{}"),
-)
-_MOVED_PLACES = ("{}deformed", "deformed{}", "{}def", "def{}", "{}current", "current{}", "{}verformt", "{}déformé")
+_POSITIONS = ("pos", "position", "coord", "coordinate", "koordinate", "coordonnée", "coordonnee", "location")
+_POSITIONS += ("coordenada", "posición", "posicion", "coordinata", "posizione", "posição", "posicao", "coördinaat")
+_POSITIONS += ("coordinaat", "positie", "współrzędna", "координата", "坐标", "座標")
+_AT_REST = ("ref", "reference", "undeformed", "undef", "initial", "init")
+_BOTH_WAYS = tuple(each for word in (*_POSITIONS, *_AT_REST) for each in (f"{{}}{word}", f"{word}{{}}"))
+_PLACES = ("{}", "{}0", *_BOTH_WAYS, "points{}", "point{}")
+_MOVED = ("deformed", "def", "current", "cur", "final", "verformt", "déformé", "deformada", "deformata")
+_MOVED_PLACES = tuple(each for word in _MOVED for each in (f"{{}}{word}", f"{word}{{}}"))
+#: Positions in the deformed sheet, in the place of displacements.
+_ENDS = (*_MOVED_PLACES, "{}1")
 _WORDS = ("displacement", "disp", "verschiebung", "verformung", "déplacement", "deplacement", "depl", "dépl")
 _WORDS += ("desplazamiento", "spostamento", "deslocamento", "verplaatsing", "przemieszczenie", "位移", "変位")
 _MOVES = ("{0}", "{0}{1}", "u{1}", "d{1}", *(f"{{1}}{word}" for word in _WORDS), *(f"{word}{{1}}" for word in _WORDS))
 _MOVES += (*(f"{word}{{0}}" for word in _WORDS), *(f"{{0}}{word}" for word in _WORDS))
+#: Words that stand for an axis.
+_AXES = {
+    "x": re.compile(r"hori[sz]ontal(?:e[rns]?)?|orizzontale|horizontaal|poziom[ay]"),
+    "y": re.compile(r"verti[ck]al(?:e[rns]?)?|verticaal|pionow[ay]"),
+}
+#: Columns with the number of a frame, of tables that hold all of them.
+_FRAMES = ("frame", "framenumber", "frameno", "image", "imagenumber", "picture", "bild", "step", "loadstep", "stage")
 _SIGNS = (",", ";", "\t", " ")
 
 
@@ -44,9 +54,12 @@ def named_table(lines: Sequence[str]) -> Dialect | None:
 
 def _dialect(names: list[str], sign: str) -> Dialect | None:
     split = [_name_and_unit(name) for name in names]
-    plain = [re.sub(r"[\s_.\-]+", "", name.lower()) for name, _ in split]
+    plain = [_plain(name) for name, _ in split]
     columns = {role: _column(plain, role, _PLACES, _MOVES) for role in "xyuv"}
     deformed = False
+    ends = {role: _column(plain, axis, _ENDS, ()) for role, axis in zip("uv", "xy", strict=True)}
+    positions = columns["u"] is columns["v"] is None not in ends.values()
+    columns |= ends if positions else {}
     if columns["x"] is None and columns["y"] is None:
         columns |= {role: _column(plain, role, _MOVED_PLACES, _MOVES) for role in "xy"}
         deformed = True
@@ -54,6 +67,7 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
         return None
     stereo = {"z": _column(plain, "z", _PLACES, _MOVES), "w": _column(plain, "w", _PLACES, _MOVES)}
     columns |= {} if None in stereo.values() else stereo
+    frames = [k for k, name in enumerate(plain) if name in _FRAMES and k not in columns.values()]
     units = sorted({split[k][1] for k in columns.values()} - {""})
     decimals = (".",) if sign in (",", " ") else (".", ",")
     return replace(
@@ -63,15 +77,25 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
         unit=" and ".join(units) or None,
         layouts=tuple((sign, decimal) for decimal in decimals),
         deformed=deformed,
+        positions=positions,
+        frame=split[frames[0]][0] if len(frames) == 1 else None,
         lost_position=not deformed,
     )
+
+
+def _plain(name: str) -> str:
+    """A name in small letters without blanks, and a letter for an axis."""
+    name = re.sub(r"[\s_.\-]+", "", name.lower())
+    for axis, words in _AXES.items():
+        name = words.sub(axis, name)
+    return name
 
 
 def _name_and_unit(name: str) -> tuple[str, str]:
     """A column's name and its unit, empty where it has none that is known."""
     match = _UNIT.match(name.strip())
     unit = ((match["in"] or match["after"] or "") if match else "").strip()
-    known = unit.lower() in UNITS or (match and match["in"] is not None)
+    known = unit.lower() in LENGTHS or (match and match["in"] is not None)
     return (match["name"], unit) if match and known else (name, "")
 
 

@@ -16,6 +16,8 @@ _WHOLE = 0.9
 #: Robust standard deviations of what is left of a smooth motion, beyond which a point that stands still does not move
 #: with the sheet.
 _LEFT_BEHIND = 5.0
+#: Pairs of opposite neighbours that tell how a point moves: one in a held end has none but along the end.
+_PAIRS = 2
 #: Frames on either side of equal ones that tell how far the sheet moves in one step.
 _NEIGHBOURS = 3
 #: How far beyond one step a jump may be, in further steps, and still be one: half, with room for an uneven motion.
@@ -217,4 +219,24 @@ def _left_behind(
             # A program fails at regions: what hangs together with such a point failed as well, however little it moves.
             regions, _ = scipy.ndimage.label(still, np.ones((3, 3)))
             lost |= still & np.isin(regions, regions[still & behind])
+            lost |= still & _unlike_neighbours(np.where((known & ~still)[..., None], u - origin, np.nan))
     return lost
+
+
+def _unlike_neighbours(moved: Field) -> Bool[np.ndarray, "row column"]:
+    """Points between whose neighbours all pairs move, one way in a component, by more than neighbours scatter.
+
+    Args:
+        moved: motion of the points that do move, NaN elsewhere.
+    """
+    padded = np.pad(moved, ((1, 1), (1, 1), (0, 0)), constant_values=np.nan)
+    rows, columns = moved.shape[:2]
+    places = {(i, j): padded[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    between = np.stack([0.5 * (places[way] + places[-way[0], -way[1]]) for way in ((0, 1), (1, 0), (1, 1), (1, -1))])
+    told = np.isfinite(between)
+    apart = np.abs(between - moved)[np.isfinite(between - moved).all(axis=-1)]
+    if not len(apart):
+        return np.zeros((rows, columns), dtype=bool)
+    least = _LEFT_BEHIND * _MAD * np.median(apart, axis=0)
+    up, down = (np.where(told, way * between, np.inf).min(axis=0) > least for way in (1.0, -1.0))
+    return (_both(told.sum(axis=0) >= _PAIRS)) & (up | down).any(axis=2)

@@ -18,6 +18,7 @@ class Declared:
         newest_first: whether the numbers of the files run backwards in time.
         increments: whether displacements are those since the frame before.
         displacement_factor: what displacements are multiplied by; None for one.
+        displacement_axes: along which u and v of the files point.
         repeated_frames: what a frame means that is equal to the one before; None where the others tell.
         allow_out_of_plane: whether a stereo sheet may move far out of its plane.
     """
@@ -28,6 +29,7 @@ class Declared:
     newest_first: bool = False
     increments: bool = False
     displacement_factor: float | None = None
+    displacement_axes: tuple[str, str] = ("x", "y")
     repeated_frames: Literal["inserted", "missed"] | None = None
     allow_out_of_plane: bool = False
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 #: How a number that is none is written, in lower case.
 NOT_A_NUMBER = (
     *("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch"),
-    *("na", "n/a", "#n/a", "nil", "null", "none", "-", "--", "---", "*"),
+    *("na", "n/a", "#n/a", "#nv", "#wert!", "#value!", "#div/0!", "nil", "null", "none", "-", "--", "---", "*"),
 )
 
 
@@ -23,10 +23,12 @@ class Dialect:
         absent: column names that it has not.
         unit: of positions and displacements where the header names none.
         displacement_factor: what displacements are multiplied by, beside what their unit says.
+        displacement_axes: along which u and v of the files point.
         layouts: delimiters and decimal signs in which it comes.
         y_up: whether y points upward.
         v_up: whether v does, where it differs from y.
         deformed: whether positions are those in the deformed sheet.
+        positions: whether u and v are positions in the deformed sheet too, in the place of displacements.
         lost: (column, value) pairs that mark a lost point.
         valid: column -> smallest and largest value of points that count; None where there is no such bound.
         arrays: positions, displacements and force -> name of the array that holds them, where a file holds arrays.
@@ -36,9 +38,11 @@ class Dialect:
         reference: whether the reference is exported as the first frame.
         incremental: text of the preamble that says that displacements are increments.
         time, force: names of their columns.
+        frame: name of the column with the number of the frame.
         preamble_unit, preamble_force: expressions whose group is the unit of length, and the force, in the preamble.
         content: how the file is made. ``frame`` is a table a frame, ``subset`` a table a point, ``matrices`` a file a
-            field. ``ncorr`` and ``arrays`` are one file for all. ``davis8`` has a first line instead of a header.
+            field. ``ncorr``, ``arrays`` and ``stacked`` are one file for all,
+            the last a table with a column ``frame``. ``davis8`` has a first line instead of a header.
     """
 
     name: str
@@ -53,10 +57,12 @@ class Dialect:
     absent: tuple[str, ...] = ()
     unit: str | None = None
     displacement_factor: float = 1.0
+    displacement_axes: tuple[str, str] = ("x", "y")
     layouts: tuple[tuple[str, str], ...] = ((",", "."),)
     y_up: bool = True
     v_up: bool | None = None
     deformed: bool = False
+    positions: bool = False
     lost: tuple[tuple[str, float], ...] = ()
     valid: Mapping[str, tuple[float | None, float | None]] = field(default_factory=dict)
     arrays: Mapping[str, str | None] = field(default_factory=dict)
@@ -67,6 +73,7 @@ class Dialect:
     incremental: str | None = None
     time: str | None = None
     force: str | None = None
+    frame: str | None = None
     preamble_unit: str | None = None
     preamble_force: str | None = None
     content: str = "frame"

@@ -230,8 +230,8 @@ DIALECTS = (
 BY_NAME = {dialect.name: dialect for dialect in DIALECTS}
 
 
-def declared(x: str, y: str, u: str, v: str, unit: str | None, delimiter: str, decimal: str, deformed: bool) -> Dialect:
-    """The dialect of a table whose columns the configuration names."""
+def declared(x: str, y: str, u: str, v: str, delimiter: str, decimal: str, deformed: bool, **more) -> Dialect:
+    """The dialect of a table whose columns the configuration names; ``more`` are its unit and positions."""
     # A name may be given with its unit, as the header has it.
     return replace(
         BY_NAME["table"],
@@ -240,8 +240,8 @@ def declared(x: str, y: str, u: str, v: str, unit: str | None, delimiter: str, d
         y=(y,),
         u=(u,),
         v=(v,),
-        unit=unit,
         layouts=((delimiter, decimal),),
         deformed=deformed,
         lost_position=not deformed,
+        **more,
     )

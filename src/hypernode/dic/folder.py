@@ -1,28 +1,24 @@
 """Which files of a folder are frames, of which dialect, and which number each has."""
 
 import re
-from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
-from hypernode.dic import arrays
+from hypernode.dic import array_files, arrays
 from hypernode.dic.clock_names import times_of
 from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
-from hypernode.dic.header import HEAD_BYTES, shows
+from hypernode.dic.header import HEAD_BYTES, cells_of, is_number, shows
+from hypernode.dic.numbering import numbered
 from hypernode.dic.text import read_text, shown
 
-SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *arrays.SUFFIXES}
+SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *array_files.SUFFIXES}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
 _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
-#: Digits of a frame's number that DaVis and others write; what stands before them belongs to the name.
-_DIGITS = 4
-#: Largest number of a frame that a computer tells from the next one, whatever it is multiplied by.
-_LARGEST = 10**15
 #: Most files in the folder of one load step: a field, forces and what a program adds.
 _MOST_OF_A_STEP = 8
 
@@ -68,8 +64,10 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
             f"keep one a folder{', or say its format' if len({found.name for found, _ in series}) > 1 else ''}"
         )
     found, group = series[0]
-    if found.content in ("matrices", "ncorr", "arrays"):
-        if found.content != "matrices" and len(group) > 1:
+    if found.frame and len(group) == 1:
+        return Found(replace(found, content="stacked"), {0: group[0]}, {})
+    if found.content in ("matrices", "ncorr") or (found.content == "arrays" and len(group) == 1):
+        if found.content == "ncorr" and len(group) > 1:
             raise DicError(f"{folder}: several series ({', '.join(p.name for p in group)}): keep one a folder")
         return Found(found, dict(enumerate(group)), {})
     times = {path: float(match[1].replace(",", ".")) for path in group if (match := _TIME.search(path.name))}
@@ -98,7 +96,7 @@ def _skeleton(name: str) -> str:
 def _dialect_of(group: list[Path], known) -> Dialect | None:
     """The dialect of the first file of a group that shows one."""
     for path in group:
-        if path.suffix.lower() in arrays.SUFFIXES:
+        if path.suffix.lower() in array_files.SUFFIXES:
             held = next((each for each in known if each.content == "arrays"), None)
             if held and arrays.holds_frames(path, held.arrays):
                 return held
@@ -116,7 +114,8 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
                 if matrix and matrix["field"].upper() in ("U", "V", "X", "Y"):
                     return dialect
             elif shows(lines, dialect):
-                return dialect
+                stacked = named_table(lines) if known is DIALECTS and dialect.name == "table" else None
+                return stacked if stacked and stacked.frame else dialect
         if known is DIALECTS and (named := named_table(lines)):
             return named
     return None
@@ -127,98 +126,49 @@ def _nothing(folder: Path, paths: list[Path], known) -> str:
     expected = known[0].name if len(known) == 1 else "a format that is known"
     about = f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found"
     inner = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.*")))
-    if not paths and inner:
+    if inner and len(paths) < 2:
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
-    first = ""
+    if not paths and (single := sorted(path.name for path in folder.glob("*.npy"))):
+        return (
+            f"{about} {shown(single)}, an array each: put them into one file, numpy.savez('test.npz', x=..., y=..., "
+            "u=..., v=..., force=...), u and v by frame and point"
+        )
+    first, columns, more = "", "x: NAME, y: NAME, u: NAME, v: NAME", ""
     for path in paths[:1]:
-        if path.suffix.lower() in arrays.SUFFIXES:
+        if path.suffix.lower() in array_files.SUFFIXES:
             return f"{about} {shown(path.name for path in paths)}{arrays.said_of(path)}"
         lines = read_text(path, HEAD_BYTES).splitlines() or [""]
         first = f"; {path.name} begins {lines[0][:60]!r}"
+        sign = next((sign for sign in ",;\t " if len(cells_of(lines[0], sign)) >= len("xyuv")), ",")
+        more = f", delimiter: {sign!r}" if sign != "," else ""
+        if all(is_number(cell.replace(",", ".") if sign != "," else cell) for cell in cells_of(lines[0], sign)):
+            first += " and has no header"
+            columns = "x: 1, y: 2, u: 3, v: 4"
     return (
         f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
-        "and table to its columns: {x: ..., y: ..., u: ..., v: ..., unit: mm}"
+        f'and table to its columns: --set format=table --set "table={{{columns}{more}, unit: mm}}"'
     )
 
 
 def _inner(folders: list[Path]) -> str:
     """What folders within a folder are: steps of a test, one table in each, or tests."""
     tables = [[path for path in each.iterdir() if path.suffix.lower() in SUFFIXES] for each in folders]
-    names = [{path.name for path in each} for each in tables]
+    names = [{re.sub(r"\d+", "#", path.name) for path in each} for each in tables]
     steps = len(folders) > 1 and all(re.fullmatch(r"\D*\d+\D*", each.name) for each in folders)
-    if not steps or any(each != names[0] for each in names) or len(names[0]) > _MOST_OF_A_STEP:
+    whole = all(len(each) == len(tables[0]) for each in tables) and 0 < len(tables[0]) <= _MOST_OF_A_STEP
+    if not steps or not whole or any(each != names[0] for each in names):
         return "each test has a folder of its own"
     ordered = sorted(folders, key=lambda each: int(re.search(r"\d+", each.name)[0]))
     frame = max(tables[0], key=lambda path: path.stat().st_size)
     step = f"Step{int(re.search(r'[0-9]+', ordered[0].name)[0]):04d}{frame.suffix}"
     return (
-        f"with the same files in each, {shown(sorted(names[0]))}, they look like the steps of one test. Copy their "
+        f"with the same files in each, {shown(sorted(path.name for path in tables[0]))}, they look like the steps of "
+        "one test. Copy their "
         f"tables into one folder, {ordered[0].name}/{frame.name} as {step} and so on, and write their forces into one "
         "record, force_disp.csv: the columns Time and Force, or Force x and Force y, a line of units, a line for the "
         "sheet at rest, a line a step. Say frame_rate, steps in a second of its Time (--frame-rate). Where no table "
         "shows the sheet at rest, say implied_reference: true (--set implied_reference=true)"
     )
-
-
-def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
-    """Number -> file of a series: the digits that vary in the names, without what all of them have in front.
-
-    Raises:
-        DicError: names hold no number, a number is there twice, or digits vary in more than one place.
-    """
-    runs = [re.findall(r"\d+", path.name) for path in paths]
-    if not runs[0]:
-        return {0: paths[0]}
-    place = _place(folder, runs)
-    digits = [run[place] for run in runs]
-    others = Counter(tuple(run[:place] + run[place + 1 :]) for run in runs)
-    width = len(digits[0])
-    front = {each[:-_DIGITS] for each in digits if width > _DIGITS and len(each) == width}
-    cut = width - _DIGITS if len(front) == 1 and all(len(each) == width for each in digits) else 0
-    if (len(others) > 1 and not _goes_together(runs, place)) or _two_series(digits, width):
-        names = sorted({re.sub(r"\d+", "#", path.name) for path in paths} | {path.name for path in paths[:2]})
-        raise DicError(f"{folder}: several series ({', '.join(names)}, ...): keep one a folder")
-    files: dict[int, Path] = {}
-    for path, each in zip(paths, digits, strict=True):
-        number = int(each[cut:])
-        if number > _LARGEST:
-            raise DicError(f"{path}: {each} is too large a number for a frame: number the files from 1 on")
-        if number in files:
-            raise DicError(f"{path}: frame {number} is there twice ({files[number].name})")
-        files[number] = path
-    return dict(sorted(files.items()))
-
-
-def _goes_together(runs: list[list[str]], place: int) -> bool:
-    """Whether a number of its own in each name grows with all other digits that vary: a time, a load, a counter."""
-    values = sorted([int(each) for each in run] for run in runs)
-    values.sort(key=lambda run: run[place])
-    own = [run[place] for run in values]
-    others = [[run[k] for run in values] for k in range(len(values[0])) if k != place]
-    return len(set(own)) == len(own) and all(each == sorted(each) for each in others)
-
-
-def _two_series(digits: list[str], width: int) -> bool:
-    """Whether numbers as 10001 and 20001 are those of test 1 and test 2."""
-    fronts = Counter(each[:-_DIGITS] for each in digits)
-    again = Counter(each[-_DIGITS:] for each in digits)
-    return width > _DIGITS and len(fronts) > 1 and max(again.values()) > 1
-
-
-def _place(folder: Path, runs: list[list[str]]) -> int:
-    """Which of the runs of digits in the names is the frame's number."""
-    counts = [len({run[k] for run in runs}) for k in range(len(runs[0]))]
-    long = [k for k in range(len(counts)) if all(len(run[k]) >= _DIGITS for run in runs)]
-    varying = [k for k, count in enumerate(counts) if count > 1]
-    for choice in (
-        [k for k in long if k in varying],
-        [k for k in long if all(run[k].startswith("0") for run in runs)],
-        varying,
-        long,
-    ):
-        if choice:
-            return choice[-1]
-    return len(counts) - 1
 
 
 def dialect_of(test: SpecimenTest) -> Dialect | None:

@@ -11,6 +11,12 @@ from hypernode.dic.text import shown
 
 #: Lines in which a header is looked for, and bytes of a file that hold them.
 HEAD_LINES, HEAD_BYTES = 300, 1 << 17
+#: Units of lengths, by the unit of a series and the factor to it.
+LENGTHS = {
+    "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
+    "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
+    "μm": ("mm", 1e-3), "micron": ("mm", 1e-3), "microns": ("mm", 1e-3),
+}  # fmt: skip
 _DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
 
 
@@ -62,6 +68,8 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
         )
     if not dialect.recognised:
         return None
+    if all(name.isascii() and name.isdigit() for name in dialect.recognised):
+        return _without_names(lines, dialect)
     for index, line in enumerate(lines[:HEAD_LINES]):
         for delimiter in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts):
             names = _names(line, delimiter)
@@ -70,8 +78,41 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
                 continue
             decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
             comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
-            return Layout(names, delimiter, "," if comma or decimals == {","} else ".", index)
+            decimal = "," if comma or decimals == {","} else "."
+            units = _units_below(lines[index + 1 : index + 2], delimiter, len(names))
+            if units is None or any(bare(name) != name for name in names):
+                return Layout(names, delimiter, decimal, index)
+            return Layout(
+                [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)], delimiter, decimal, index + 1
+            )
     return None
+
+
+def _units_below(lines: list[str], delimiter: str, width: int) -> list[str] | None:
+    """The cells of a line of units below the names; None where there is none."""
+    cells = [cell.strip("[]() ") for line in lines for cell in _names(line, delimiter)]
+    lengths = sum(cell.lower() in LENGTHS for cell in cells)
+    return cells if len(cells) == width and lengths >= len("xyuv") and not any(map(is_number, cells)) else None
+
+
+def _without_names(lines: list[str], dialect: Dialect) -> Layout | None:
+    """Where a table of numbers begins that has no header: its columns have the names 1, 2, 3 and so on."""
+    wanted = [int(name) - 1 for name in dialect.recognised]
+    for index, line in enumerate(lines[:HEAD_LINES]):
+        for delimiter, decimal in dialect.layouts:
+            cells = [cell.replace(",", ".") if decimal == "," else cell for cell in cells_of(line, delimiter)]
+            if min(wanted) >= 0 and max(wanted) < len(cells) and all(is_number(cells[k]) for k in wanted):
+                return Layout([str(k + 1) for k in range(len(cells))], delimiter, decimal, index - 1)
+    return None
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell holds a number with a decimal point."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def shows(lines: list[str], dialect: Dialect) -> bool:

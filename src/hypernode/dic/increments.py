@@ -35,6 +35,17 @@ def accumulated(frames: Sequence[Frame]) -> list[Frame]:
     return sums
 
 
+def said_without_force(strain: Float[np.ndarray, " frame"]) -> str:
+    """A sentence where all deformed frames have about the strain of the first one, and no force tells why."""
+    known = strain[1:][np.isfinite(strain[1:])]
+    if len(known) < _FEWEST or not known.min() > _NEAR * known.max():
+        return ""
+    return (
+        f"all {len(known)} deformed frames have a mean strain of {known.min():.3g} to {known.max():.3g}: if "
+        "displacements are those since the frame before, --set increments=true adds them up"
+    )
+
+
 def refuse_where_reached(
     folder: str, strain: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"], pull: PullRecord
 ) -> None:

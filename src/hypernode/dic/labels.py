@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
-from hypernode.dic.arrays import NAMES, arrays_in, named, positions_in
+from hypernode.dic.array_files import arrays_in
+from hypernode.dic.arrays import NAMES, named, positions_in
 from hypernode.dic.errors import DicError
 from hypernode.dic.text import shown
 

@@ -13,6 +13,7 @@ from hypernode.dic.forces.importing import hear_forces, import_forces
 from hypernode.dic.forces.matching import Component
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, select_frames, several_loadings, trimmed
+from hypernode.dic.increments import said_without_force
 from hypernode.dic.narrowing import unlike_positions
 from hypernode.dic.noise.steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
@@ -142,11 +143,13 @@ def _without_force(
 
 
 def _strange_frames(test: SpecimenTest, series: Series, numbers) -> tuple[str, ...]:
-    """Warnings: times that the files say otherwise than the configuration, several loadings, and units."""
+    """Warnings: times that the files say otherwise than the configuration, several loadings, units, increments."""
+    told = test.increments or test.force_file is not None
     sentences = [
         times_contradicted(test, series),
         several_loadings(test, series, numbers),
         unlike_positions(test, series),
+        "" if told else said_without_force(mean_stretch(series, test.load) - 1.0),
     ]
     found = tuple(filter(None, sentences))
     for sentence in found:

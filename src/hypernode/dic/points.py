@@ -11,13 +11,9 @@ from scipy.spatial import cKDTree
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
+from hypernode.dic.header import LENGTHS
 from hypernode.dic.table import read_table
 
-#: Unit in a header -> (unit of a series, factor).
-UNITS = {
-    "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
-    "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
-}  # fmt: skip
 #: Length in mm or pixels from which it is none, as 1e308 that stands for a lost point.
 _ENDLESS = 1e12
 #: Distance of a point of the reference from its neighbour, over that of the points in the median, from which its
@@ -64,14 +60,20 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
         raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
     if not named:
         raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
-    unknown = sorted(name for name in named.values() if name.lower() not in UNITS)
+    unknown = sorted(name for name in named.values() if name.lower() not in LENGTHS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")
-    known = {role: UNITS[name.lower()] for role, name in named.items()}
+    known = {role: LENGTHS[name.lower()] for role, name in named.items()}
     factors = [{known[role] for role in known if role not in others} for others in ("uv", "xy")]
     if len({unit for unit, _ in known.values()}) > 1 or max(map(len, factors)) > 1:
         every = ", ".join(sorted(set(named.values())))
-        raise DicError(f"{path}: positions and displacements in different units ({every})")
+        # A factor that is said takes displacements into the unit of the positions.
+        if dialect.displacement_factor == 1.0 or len(factors[0]) != 1:
+            raise DicError(
+                f"{path}: positions and displacements in different units ({every}): say what displacements are "
+                "multiplied by to be in the unit of the positions, --set displacement_factor=N: pixels in a mm, or mm "
+                "in a pixel; or name other columns, with their units, format: table"
+            )
     told = [next(iter(each or set(known.values()))) for each in factors]
     return told[0][0], told[0][1], told[1][1]
 
@@ -97,20 +99,23 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     unit, *factors = unit_of(path, units, preamble, dialect)
     position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
     u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1)
-    u *= factors[1] * dialect.displacement_factor
+    u *= factors[1]
+    u = (u - position if dialect.positions else u) * dialect.displacement_factor
     for column, value in dialect.lost:
         if column in cells:
             u[cells[column] == value] = np.nan
     if "failed" in cells:
         u[cells["failed"]] = np.nan
     u[~_all(np.abs(u) < _ENDLESS) | _no_lengths(position, u)] = np.nan
+    u[:, :2] = _along_axes(u[:, :2], dialect.displacement_axes)
     if dialect.deformed:
         position = position - u
-    keep = _all(np.abs(position) < _ENDLESS)
+    known, blank = _all(np.abs(position) < _ENDLESS), _blank(cells)
+    keep = known & ~blank
     if not dialect.lost_position:
         keep &= _all(np.isfinite(u))
-    elif not keep.all():
-        raise DicError(f"{path}:{line[np.argmin(keep)]}: the position is not finite")
+    elif not known.all():
+        raise DicError(f"{path}:{line[np.argmin(known)]}: the position is not finite")
     if not keep.any():
         raise DicError(f"{path}: every point is lost")
     time = float(cells[dialect.time][0]) if dialect.time in cells else None
@@ -120,6 +125,20 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
         force = float(found[0]) if found else None
     moving = dialect.option(unit=unit, deformed="true")
     return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
+
+
+def _blank(cells) -> np.ndarray:
+    """Rows that hold nothing but zeros, where there are several: a program fills what it lost with them."""
+    zeros = functools.reduce(np.logical_and, [cells[role] == 0.0 for role in "xyuv"])
+    return zeros if zeros.sum() > 1 else np.zeros(len(zeros), dtype=bool)
+
+
+def _along_axes(u: np.ndarray, axes: tuple[str, str]) -> np.ndarray:
+    """Displacements (point, 2) along x and y, of columns that point along these axes."""
+    turned = np.empty_like(u)
+    for k, axis in enumerate(axes):
+        turned[:, "xy".index(axis[-1])] = -u[:, k] if axis.startswith("-") else u[:, k]
+    return turned
 
 
 def _all(components: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.array_files import SUFFIXES
 from hypernode.dic.copies import Copies, without_copies
 from hypernode.dic.declared import Declared, declared_by
 from hypernode.dic.dialect import Dialect
@@ -62,7 +63,7 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
     reference = _before(available) if implied else available[0]
     wanted = _wanted(folder, numbers, available, reference)
     _tell(folder, dialect, first, reference, implied)
-    at_rest = replace(first, displacement=np.zeros_like(first.displacement), force=None) if implied else first
+    at_rest = _at_rest(first) if implied else first
     sheet = sheet_of(at_rest, reference, {} if declared.newest_first else found.times, declared.allow_out_of_plane)
     refuse_deformed_reference(sheet, dialect, lambda: read(available[-1]))
     frames, moved = [sheet.frame(at_rest, reference)], []
@@ -101,15 +102,23 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
     )
 
 
+def _at_rest(first: Points) -> Points:
+    """The sheet at rest, which is in no file; without force, where frames say their forces."""
+    rest = np.zeros_like(first.displacement)
+    return replace(first, displacement=rest, force=None if first.force is None else 0.0, crosshead=None)
+
+
 def _refuse_others(first: Points, points: Points) -> None:
     """Nothing, where a frame is written as the first one is."""
-    refuse_cut_lines((first.path, points.path))
+    if first.path.suffix.lower() not in SUFFIXES:
+        refuse_cut_lines((first.path, points.path))
     if (points.unit, points.position.shape[1]) != (first.unit, first.position.shape[1]):
         raise DicError(f"{points.path}: other columns or units ({points.unit}) than {first.path.name}")
 
 
 def _as_declared(dialect: Dialect, declared: Declared) -> Dialect:
     changes = {"valid": declared.valid, "displacement_factor": declared.displacement_factor or 1.0}
+    changes["displacement_axes"] = declared.displacement_axes
     if declared.y_points is not None:
         changes["y_up"] = declared.y_points == "up"
     if declared.implied_reference is not None:

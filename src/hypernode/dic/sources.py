@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from hypernode.dic.arrays import arrays_in, frames_of_arrays
-from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_subsets
+from hypernode.dic.array_files import arrays_in
+from hypernode.dic.arrays import frame_of_arrays, frames_of_arrays
+from hypernode.dic.assembled import frames_of_matrices, frames_of_ncorr, frames_of_stacked, frames_of_subsets
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.folder import Found
 from hypernode.dic.labels import said_of_labels
@@ -19,8 +20,12 @@ def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int]
     files = list(found.files.values())
     if dialect.content == "subset":
         frames = frames_of_subsets(files, dialect)
+    elif dialect.content == "stacked":
+        frames = frames_of_stacked(files[0], dialect)
     elif dialect.content == "matrices":
         frames = frames_of_matrices(files, dialect)
+    elif dialect.content == "arrays" and len(files) > 1:
+        return list(found.files), lambda number: _upward(frame_of_arrays(found.files[number], dialect), dialect)
     elif dialect.content == "arrays":
         frames = frames_of_arrays(files[0], dialect)
         points = len(next(iter(frames.values())).position)

@@ -179,7 +179,8 @@ def _mean_H(case: LoadCase, mesh: Mesh, u) -> np.ndarray:
         raise DicError(
             f"{folder}: frame {case.numbers[step]} folds the sheet over (det F is not positive in {folded[step].sum()} "
             f"of {len(mesh.cells)} cells, the first at {x:.4g}, {y:.4g} mm from the lower left point): a point that "
-            "the software mistook, which may be deleted from the file and is then lost; or leave the frame out"
+            "the software mistook, which may be deleted from the file and is then lost, or which a column tells "
+            "(valid); displacements in another unit than positions (displacement_factor); or leave the frame out"
         )
     return np.einsum("scij,c->sij", F, mesh.areas / mesh.areas.sum()) - np.eye(2)
 

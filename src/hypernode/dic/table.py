@@ -48,7 +48,7 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     lost = [failed(name, values, dialect.valid) for name, values in zip(marks, marked.T, strict=True)]
     cells = {role: table[:, k] for k, role in enumerate(roles)}
     cells["failed"] = np.any(lost, axis=0) if lost else np.zeros(len(rows), dtype=bool)
-    return cells, number, units, lines[: layout.header]
+    return cells, number, units, lines[: max(layout.header, 0)]
 
 
 def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:
@@ -107,7 +107,9 @@ def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], di
         else:
             fields = line.split(None if layout.delimiter == " " else layout.delimiter)
         if len(fields) != width:
-            raise DicError(f"{where}: {len(fields)} fields, the header has {width}")
+            commas = layout.delimiter == "," and len(fields) == 2 * width
+            hint = ", as with decimal commas between commas: export with another separator" if commas else ""
+            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint}")
         values.append([number_in(fields[k], layout.decimal, dialect.blanks, where, line) for k in columns])
     return np.array(values)
 
@@ -169,7 +171,7 @@ def _roles(path: Path, layout: Layout, dialect: Dialect) -> dict[str, int]:
     if not {"z", "w"} <= set(places):
         places = {role: k for role, k in places.items() if role not in "zw"}
     others = [name for name, _ in dialect.lost] + [dialect.time, dialect.force]
-    others += ["FRAME"] if dialect.content == "subset" else []
+    others += ["FRAME"] if dialect.content == "subset" else [dialect.frame] if dialect.content == "stacked" else []
     twice = [layout.names[k] for k in places.values() if layout.names.count(layout.names[k]) > 1]
     if twice:
         raise DicError(f"{path}:{layout.header + 1}: two columns {twice[0]!r}: rename the one that does not count")

@@ -19,7 +19,17 @@ _BELOW_ZERO = (
     *("status", "status_flag", "statusflag", "state", "flag", "iteration", "iterations"),
 )
 #: Of these columns, which are zero at no point that was found.
-_CORRELATION = ("zncc", "ncc", "corr", "corrcoef", "correlation", "correlation coefficient")
+_CORRELATION = (
+    "confidence",
+    "quality",
+    "score",
+    "zncc",
+    "ncc",
+    "corr",
+    "corrcoef",
+    "correlation",
+    "correlation coefficient",
+)
 #: Columns of which zero does as well.
 _ZERO = ("converged", "convergence_flag", "valid", "is_valid", "isvalid", "validity", "success", "ok", "good")
 #: Columns that mark failed points by any number above zero, or a word that says yes.

@@ -1,9 +1,9 @@
 """Numbers of every cell that explain what a field of materials leaves: a factor of the stiffness, and fibres.
 
-They add to parameters of the materials and are found by Gauss-Newton steps on all cells at once. The penalty on jumps is
-total variation first, then its logarithm, so jumps stay sharp. A jump costs once, whichever numbers make it. The
-residual of the displacements serves as their noise, so steps far from the solution are small. Cells far from jumps share
-their numbers, which keeps the systems small.
+They add to parameters of the materials and are found by Gauss-Newton steps on all cells at once. The penalty on jumps
+is total variation first, then its logarithm, so jumps stay sharp. A jump costs once, whichever numbers make it. The
+residual of the displacements serves as their noise, so steps far from the solution are small. Cells far from jumps
+share their numbers, which keeps the systems small.
 """
 
 from typing import NamedTuple

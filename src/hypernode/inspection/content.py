@@ -6,6 +6,9 @@ from pathlib import Path
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import SUFFIXES, Found, dialect_of, find_series
+from hypernode.dic.header import HEAD_BYTES, bare, layout_of
+from hypernode.dic.text import read_text
+from hypernode.dic.validity import known_columns
 
 #: Endings of what cameras write.
 PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
@@ -45,6 +48,16 @@ def content_of(test: SpecimenTest) -> Content:
     endings = SUFFIXES - _NO_RECORD
     tables = tuple(path for path in files if path.suffix.lower() in endings and path not in frames)
     return Content(folder, found, refusal, pictures, tables)
+
+
+def columns_beside(found: Found) -> list[str]:
+    """Columns of the first frame that hold neither positions nor displacements; first those that tell lost points."""
+    if found.dialect.content != "frame":
+        return []
+    layout = layout_of(read_text(next(iter(found.files.values())), HEAD_BYTES).splitlines(), found.dialect)
+    taken = {name for role in "xyuvzw" for name in getattr(found.dialect, role)}
+    names = [] if layout is None else [bare(name) for name in layout.names if taken.isdisjoint((name, bare(name)))]
+    return sorted(names, key=lambda name: name not in known_columns(names))
 
 
 def _without_displacements(pictures: tuple[Path, ...]) -> str:

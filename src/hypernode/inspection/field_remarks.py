@@ -27,7 +27,7 @@ def remarks_on(field: Field, given: Mapping[str, object]) -> Known:
             f"{missing} neighbouring points inside are measured in no deformed frame: they count as lost ones with "
             "material beneath; if the sheet has a hole there, declare it, hole of its case"
         )
-    if field.dialect == "table" and field.series.unit == "pixel" and "y_points" not in given:
+    if field.dialect in ("table", "arrays") and field.series.unit == "pixel" and "y_points" not in given:
         known += odd(
             "y of the table is taken to point upward, and that of pictures points downward: --set y_points=down where "
             "it does, or =up",

@@ -17,7 +17,7 @@ from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.dic.specimen import ImportedSpecimen, import_specimen
 from hypernode.dic.text import without_braces
-from hypernode.inspection.content import Content, content_of
+from hypernode.inspection.content import Content, columns_beside, content_of
 from hypernode.inspection.field import Field, least_ring, read_field
 from hypernode.inspection.field_remarks import remarks_on
 from hypernode.inspection.forces import Course, courses, going_on
@@ -25,8 +25,11 @@ from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
 from hypernode.inspection.load import LoadSeen, recognised
 from hypernode.inspection.records import Cycle, RecordFile, cycle_of_test, record_files, record_of_test
 from hypernode.inspection.size import size_known
+from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import heard
 
+#: Loads that need a force along each axis.
+_TWO_FORCES = [load for load, parts in RESULTANTS.items() if len(parts) > 1]
 #: Share of the largest elongation by which it falls when a sheet is unloaded or torn, and not by noise.
 _FALLS = 0.05
 
@@ -119,6 +122,8 @@ def _with_load(seen: Inspection) -> Inspection:
         return _and(seen, missing("deformed frames: there is one frame, which is the reference of all others"))
     if given is None and load.kind is None:
         return _and(seen, missing(f"which load it is: {load.reason}: --load KIND", "load"))
+    if given is None and load.question:
+        return _and(seen, missing(load.question, "load"))
     if given is None:
         seen = _and(seen, guessed("load", load.kind, load.reason))
     elif load.kind not in (None, given):
@@ -205,6 +210,19 @@ def _no_clock(seen: Inspection, cycle: Cycle) -> str:
     )
 
 
+def _otherwise(seen: Inspection) -> str:
+    """What else a load may be that was taken from the frames and needs two forces, as its record has one."""
+    guess = seen.known.guesses.get("load")
+    if guess is None or seen.known.settings["load"] not in _TWO_FORCES:
+        return ""
+    sentence = f"; the load is taken from the frames ({guess}), --load KIND says another"
+    for column in columns_beside(seen.content.frames)[:1]:
+        sentence += (
+            f"; points that a program failed at may be told by a column, --set 'valid={{{column}: [LOW, HIGH]}}'"
+        )
+    return sentence
+
+
 def _imported(seen: Inspection) -> Inspection:
     """The import itself, which has the last word."""
     with heard() as said:
@@ -213,7 +231,7 @@ def _imported(seen: Inspection) -> Inspection:
             sheet = import_specimen(specimen, full=None if specimen.frames else seen.field.series)
             without_braces(map(str, sheet.files))
         except DicError as error:
-            return _and(seen, missing(str(error)))
+            return _and(seen, missing(f"{error}{_otherwise(seen)}"))
     told = {remark.sentence for remark in seen.known.odd}
     findings = [odd(each) for case in sheet.cases for each in case.findings if each not in told]
     # Frames, noise and records stand in other attributes, and warnings among what is odd.

@@ -27,6 +27,9 @@ _HELD = 0.7
 _CLEARLY = (0.3, 0.9)
 #: Scatter of an end line about a straight one, over the elongation between the ends, up to which it is straight.
 _STRAIGHT = 0.1
+#: Turn of the other side against the shear over it, from which a pull whose columns are swapped looks the same. Sheets
+#: that are sheared across less than a third of their width turn by 0.03.
+_TURNS = 0.05
 #: Change of length of the middle over that along the pull, below which held and free ends look alike: a twentieth of
 #: what sheets of constant volume do.
 _CONTRACTS = 0.025
@@ -41,12 +44,14 @@ class LoadSeen:
         reason: why, in one sentence.
         frame: number of the frame that tells.
         gradient: its mean displacement gradient between end lines, NaN where nothing tells it.
+        question: what only its owner knows, where other frames look the same; empty where there are none.
     """
 
     kind: str | None
     reason: str
     frame: int
     gradient: Float[np.ndarray, "2 2"]
+    question: str = ""
 
     @property
     def still(self) -> bool:
@@ -81,7 +86,22 @@ def recognised(series: Series) -> LoadSeen:
         return LoadSeen(None, reason, series.frames[0].number, np.full((2, 2), np.nan))
     number, pair = best
     kind, reason = _kind(pair)
-    return LoadSeen(kind, reason, number, np.stack([each.gradient for each in pair], axis=1))
+    H = np.stack([each.gradient for each in pair], axis=1)
+    return LoadSeen(kind, reason, number, H, _swapped(H, kind))
+
+
+def _swapped(H: Float[np.ndarray, "2 2"], kind: str | None) -> str:
+    """A question where a pull whose columns are swapped looks the same: its narrowing turns the other side."""
+    stretch, (one, other) = np.abs(np.diag(H)).max(), sorted((H[0, 1], H[1, 0]), key=abs)
+    if kind not in ("shear", "general") or abs(one + other) * _MIXED <= stretch or other == 0.0:
+        return ""
+    if -_TURNS < one / other < _PULLED:
+        return ""
+    axes = "[y, x]" if other > 0.0 else "[-y, -x]"
+    return (
+        f"it looks like {kind}, and would be pulled to a stretch of {1.0 + abs(other):.3f} if u and v were swapped: "
+        f"--set 'displacement_axes={axes}' swaps them, and --load {kind} says that they are right"
+    )
 
 
 def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
@@ -97,9 +117,11 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
     if abs(shear) * _MIXED > np.abs(stretch).max():
         return _sheared(H, shear)
     if stretch.max() <= 0.0:
+        axes = "[-x, y]" if stretch[0] < stretch[1] else "[x, -y]"
         return None, (
             f"the sheet gets shorter, by {-stretch[0]:.1%} along x and {-stretch[1]:.1%} along y: the first frame must "
-            "be that of the sheet without force"
+            "be that of the sheet without force, and displacements must point as positions do, else --set "
+            f"'displacement_axes={axes}'"
         )
     if abs(shear) > _MIXED * stretch.max():
         return "general", f"it is sheared by {shear:.3f} and stretched by {stretch.max():.3f} at once"
@@ -107,7 +129,10 @@ def _kind(pair: tuple[Ends, Ends]) -> tuple[str | None, str]:
     ratio = stretch[1 - axis] / stretch[axis]
     if ratio < -1.0:
         name, other = "xy"[axis], "yx"[axis]
-        return "general", f"it gets shorter along {other} by more than it gets longer along {name}"
+        return "general", (
+            f"it gets shorter along {other} by more than it gets longer along {name}: if it is pulled along {other}, "
+            "the first frame is not the sheet without force, or displacements point the other way (displacement_axes)"
+        )
     return _pulled_twice(pair, stretch) if ratio > _PULLED else _pulled_once(pair[axis], axis, stretch[axis])
 
 

@@ -115,10 +115,24 @@ def _forces(seen: Inspection) -> list[tuple[str, str]]:
     if not seen.files and seen.others:
         names = _some([path.name for path in seen.others])
         rows.append(("forces", f"neither columns Time and Force nor those of a known program in {names}"))
+    rows += [("", sentence)] if (sentence := _rate_alone(seen)) else []
     if seen.offsets:
         told = " and ".join(map(str, seen.offsets))
         rows.append(("", f"its clock is ahead of that of the frames by {told}"))
     return rows
+
+
+def _rate_alone(seen: Inspection) -> str:
+    """A sentence where a frame rate that was said is all that pairs frames and forces."""
+    record, rate = seen.cycle and seen.cycle.record, seen.known.settings.get("frame_rate")
+    if record is None or rate is None or record.image is not None or record.displacement is not None:
+        return ""
+    if record.time is None:
+        return ""
+    return (
+        f"only frame_rate = {rate:g} pairs its forces with the frames: without a crosshead or a column of pictures, "
+        "nothing here shows whether it is right"
+    )
 
 
 def _cycle(cycle: Cycle) -> str:

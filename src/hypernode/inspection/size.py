@@ -7,8 +7,9 @@ from hypernode.inspection.field import Field
 from hypernode.inspection.known import ANY_SIZE, Known, guessed, missing, odd
 from hypernode.mechanics.loads import tensile_axis
 
-#: Share of both sides below which a field is of another unit sooner than of a part of the sheet.
-_HARDLY = 0.1
+#: Share of both sides below which a field is of another unit sooner than of a part of the sheet: a tenth, as cm for mm
+#: make, and what a size is rounded by.
+_HARDLY = 0.11
 #: Digits of a guess: it is no better than the difference above.
 _DIGITS = 4
 _PIXEL = "the length of a pixel on the sheet in mm, --pixel-size MM"

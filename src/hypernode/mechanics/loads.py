@@ -45,6 +45,10 @@ RESULTANTS = {
 }
 
 
+#: Loads that pull along both axes.
+BOTH_AXES = ("equibiaxial", "biaxial", "biaxial_clamped")
+
+
 def tensile_axis(kind: str) -> int | None:
     """Axis along which alone a load pulls, or None of those that do not pull along one."""
     axes = {i for i, J in RESULTANTS[kind] if i == J}

@@ -16,7 +16,7 @@ from hypernode.config.methods import Constrained
 from hypernode.config.presets import presets
 from hypernode.config.specimens import Specimen
 from hypernode.data.measurement import mesh_of
-from hypernode.dic.arrays import arrays_in
+from hypernode.dic.array_files import arrays_in
 from hypernode.dic.specimen import import_specimen
 from hypernode.identification.partition import without_small
 from hypernode.material.basis_file import basis_field

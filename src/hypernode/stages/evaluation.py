@@ -9,7 +9,7 @@ import numpy as np
 from hypernode.config.geometries import Image
 from hypernode.config.model import Config
 from hypernode.config.specimens import Specimen
-from hypernode.dic.arrays import SUFFIXES
+from hypernode.dic.array_files import SUFFIXES
 from hypernode.dic.labels import labelled_shape
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.judge import judge, shape_stretch

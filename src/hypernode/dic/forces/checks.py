@@ -99,7 +99,7 @@ def check_rise(
     return [
         Finding(
             f"the force falls {seen}: the sign of the record or its channel is wrong; export tension, and shear to the "
-            "right, as positive, or set force_channel",
+            "right, as positive, turn it, --set force_factor=-1, or set force_channel",
             True,
         )
     ]

@@ -48,6 +48,7 @@ class ForceDialect:
 TIME_NAMES = (
     *("time", "elapsed time", "total time", "running time", "test time", "t", "zeit", "gesamtzeit", "prüfzeit"),
     *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp"),
+    *("uhrzeit", "zeitstempel", "heure", "horodatage", "hora", "ora", "clock", "date time", "datetime", "date/time"),
     *("tiempo", "tempo", "tijd", "tid", "czas", "čas", "aika", "zaman", "время", "时间", "時間"),
 )
 FORCE_NAMES = (
@@ -59,7 +60,18 @@ FORCE_NAMES = (
 WAY_NAMES = (
     *("displacement", "extension", "crosshead", "crosshead displacement", "position", "stroke", "axial displacement"),
     *("weg", "traversenweg", "standardweg", "verschiebung", "déplacement", "deplacement", "traverse", "allongement"),
-    *("desplazamiento", "spostamento", "corsa", "deslocamento", "verplaatsing", "förskjutning", "przemieszczenie"),
+    *(
+        "desplazamiento",
+        "extensión",
+        "alargamiento",
+        "spostamento",
+        "corsa",
+        "allungamento",
+        "deslocamento",
+        "verplaatsing",
+        "förskjutning",
+        "przemieszczenie",
+    ),
     *("siirtymä", "перемещение", "位移", "変位", "ストローク"),
 )
 PICTURE_NAMES = (
@@ -193,6 +205,7 @@ DIALECTS = (
             image=image,
             units=units,
             preamble=20,
+            delimiters=",;\t ",
         )
         for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))
         for name, units, written in (

@@ -8,6 +8,7 @@ from hypernode.dic.forces.checks import Finding
 from hypernode.dic.forces.matching import Component, PullRecord
 from hypernode.dic.frames import first_loading, working_stretch
 from hypernode.dic.series import Series
+from hypernode.mechanics.loads import BOTH_AXES
 
 #: Share of the whole stretch over which the end of a curve is looked at.
 _END = 0.25
@@ -16,6 +17,12 @@ _END = 0.25
 _STANDS = 0.1
 #: Fewest frames of the end, and before it.
 _FEWEST = 3
+#: What rubber that is pulled along both axes loses of its slope in a unit of strain, as a logarithm: 4.6 of a
+#: neo-Hookean sheet at a strain of a tenth, and up to thrice as much of laws with steep powers. What is beyond that is
+#: of another strain.
+_RUBBER, _SOFTENS = 4.6, 18.0
+#: Standard deviations by which that is told.
+_CURVED = 4.0
 #: How much less the force grows with the stretch between two frames than before and after them, from which pictures are
 #: missing there: one that is missing makes it half. And the scatter of that ratio beyond which it is told.
 _SKIPS, _DEVIATIONS = 1.75, 6.0
@@ -30,7 +37,42 @@ def growth_findings(test: SpecimenTest, pull: PullRecord, series: Series, part: 
     if not told.any():
         return []
     numbers, course, force = numbers[told], course[told], pull.forces(numbers[told])
-    return check_growth(course, force) + ([] if pull.image is not None else check_pace(course, force, numbers))
+    bend = check_bend(course, force) if test.load in BOTH_AXES and test.displacement_factor is None else []
+    return bend + check_growth(course, force) + ([] if pull.image is not None else check_pace(course, force, numbers))
+
+
+def check_bend(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> list[Finding]:
+    """The force [N] of a sheet that is pulled along both axes loses its slope no faster than an elastic sheet's does.
+
+    Args:
+        stretch: of the frames of one loading, the reference first.
+        force: of the same frames.
+    """
+    e = stretch - stretch[0]
+    if len(e) < 2 * _FEWEST or not (e[-1] > 0.0 and force[-1] > force[0]):
+        return []
+    e = e / e[-1]
+    terms = np.stack([e, e**2, e**3], axis=1)
+    factors, _, rank, _ = np.linalg.lstsq(terms, force - force[0], rcond=None)
+    left = force - force[0] - terms @ factors
+    spread = np.linalg.pinv(terms.T @ terms) * (left @ left) / max(len(e) - 3, 1)
+    # Slopes at both ends, and what the scatter leaves open of them.
+    at = np.array([[1.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
+    first, last = at @ factors
+    error = _CURVED * np.sqrt(np.diag(at @ spread @ at.T))
+    if rank < 3 or first <= error[0]:
+        return []
+    pulled = stretch[-1] - stretch[0]
+    lost = np.log((first - error[0]) / max(last + error[1], _STANDS * first)) / pulled
+    if lost <= _SOFTENS:
+        return []
+    sentence = (
+        f"until a stretch of {stretch[-1]:.4g} the slope of the force falls to {max(last / first, 0.0):.0%} of the "
+        f"first one, as rubber has it at a strain {lost / _RUBBER:.2g} times as large: displacements may be in another "
+        "unit than positions, --set displacement_factor=10, or the sheet yields or relaxes; --set "
+        "displacement_factor=1 says that they are right"
+    )
+    return [Finding(sentence, False)]
 
 
 def check_growth(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> list[Finding]:

@@ -164,7 +164,11 @@ def _components(test: SpecimenTest, record: ForceRecord) -> list[Component]:
     wanted = list(RESULTANTS[test.load])
     if record.axes == (PULL,):
         if len(wanted) > 1:
-            way_out = "say which column is which, force_channel: {x: ..., y: ...}"
+            way_out = (
+                "say which column is which, force_channel: {x: ..., y: ...}; or the sheet is pulled along one axis, "
+                "and looks otherwise: say the load (load), or turn a component that points the other way "
+                "(displacement_axes: [-x, y] or [x, -y])"
+            )
             if record.path.is_dir():
                 way_out = "put the machine's record with both into the folder, force_file"
             raise DicError(

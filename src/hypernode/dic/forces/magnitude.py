@@ -10,7 +10,7 @@ from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
 from hypernode.dic.forces.matching import Component, PullRecord
 from hypernode.dic.frames import mean_gradient
 from hypernode.dic.series import Series
-from hypernode.mechanics.loads import tensile_axis
+from hypernode.mechanics.loads import BOTH_AXES, tensile_axis
 
 #: Crosshead over elongation beyond which both cannot be of one sheet. Grips that slip, a machine that gives and a field
 #: that sees the softer middle of a longer sheet make up to three.
@@ -56,7 +56,8 @@ def crosshead_agrees(
 
 def _courses(test: SpecimenTest, pull: PullRecord, series: Series, part: Component):
     """(mean stretch of the frames that the record reaches, their times); None where the crosshead tells nothing."""
-    if pull.displacement is None or tensile_axis(test.load) != part[0] or part[0] != part[1]:
+    alone = tensile_axis(test.load) == part[0]
+    if pull.displacement is None or part[0] != part[1] or not (alone or test.load in BOTH_AXES):
         return None
     numbers = np.array([frame.number for frame in series.frames])
     stretch = 1.0 + mean_gradient(series, *part)
@@ -101,6 +102,8 @@ def check_crosshead(
     ways = "check the unit of the displacements, pixel_size and the size"
     if refused and (factor := _power_of_ten(ratio)):
         ways = f"--set displacement_factor={factor:g} where displacements are in another unit than positions; {ways}"
+        if ratio < 1.0:
+            ways = f"the crosshead may be in another unit than its header says, which you may correct; {ways}"
     if not refused:
         ways += "; frames may be taken at another pace, --frame-rate, or grips slip"
     sentence = (

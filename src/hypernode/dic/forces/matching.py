@@ -153,7 +153,7 @@ def pulls_of(
     """The parts of a test's record that belong to its forces, in the clock of the frames and by their ``numbers``."""
     record = replace(record, image=_shifted(test, record, numbers))
     if test.force_factor != 1.0:
-        section = None if record.section is None else record.section * test.force_factor
+        section = None if record.section is None else record.section * abs(test.force_factor)
         record = replace(record, force=record.force * test.force_factor, section=section)
     axes = {part: "xy"[part[0]] for part in parts}
     if not test.crosshead:

@@ -65,6 +65,11 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
                 return table
     if len(first) < 3:
         raise DicError(f"{path}: {_TOO_SHORT}")
+    if all(cell.strip().lstrip("+-")[:1].isdigit() for cell in first[0][1]):
+        raise DicError(
+            f"{path}:1: {shown(first[0][1])} are numbers, and no line says which columns they are: write one above "
+            "them, as Time (s),Force (N)"
+        )
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
         f"{path}:1: {shown(first[0][1])} are no known names of a force and of a time or picture, and the header is "

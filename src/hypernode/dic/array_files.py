@@ -1,0 +1,83 @@
+"""Files of arrays, npz, HDF5 or MATLAB, as numeric arrays by their names."""
+
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from hypernode.dic.errors import DicError
+
+#: Endings of such files.
+SUFFIXES = {".npz", ".h5", ".hdf5", ".mat"}
+#: Names of arrays that hold one component each.
+COMPONENTS = {
+    "positions": (("x", "y"), ("X", "Y")),
+    "displacements": (("u", "v"), ("U", "V"), ("ux", "uy"), ("Ux", "Uy"), ("UX", "UY")),
+}
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+#: What readers of such files raise where one is broken.
+_BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFError, RuntimeError, zipfile.BadZipFile)
+
+
+def arrays_in(path: Path) -> dict[str, np.ndarray]:
+    """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those of groups as well.
+
+    One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and
+    y are the lines of a grid, it holds their points (row, column, 2).
+
+    Raises:
+        DicError: it cannot be read.
+    """
+    arrays = _arrays_in(path)
+    for pair in (pair for pairs in COMPONENTS.values() for pair in pairs):
+        first, second = (arrays.get(name) for name in pair)
+        if first is None or second is None:
+            continue
+        if pair in COMPONENTS["positions"] and _are_lines(first, second, arrays.values()):
+            first, second = np.meshgrid(np.ravel(first), np.ravel(second))
+        if first.shape == second.shape:
+            arrays[" ".join(pair)] = np.stack([first, second], axis=-1)
+    return arrays
+
+
+def _are_lines(x: np.ndarray, y: np.ndarray, others: Iterable[np.ndarray]) -> bool:
+    """Whether x and y are those of the lines of a grid, and not of every point: an array beside them has both axes."""
+    sizes = [x.size, y.size]
+    if max(x.ndim, y.ndim) > 2 or any(size not in each.shape for size, each in zip(sizes, (x, y), strict=True)):
+        return False
+    return x.size != y.size or any(list(each.shape).count(x.size) > 1 for each in others if each.ndim > 2)
+
+
+def _arrays_in(path: Path) -> dict[str, np.ndarray]:
+    try:
+        if path.suffix.lower() == ".npz":
+            with np.load(path, allow_pickle=False) as file:
+                return {name: file[name] for name in file.files if file[name].dtype.kind in "fiu"}
+        with open(path, "rb") as handle:
+            start = handle.read(520)
+        if _HDF5 in (start[:8], start[512:520]):
+            return _of_hdf5(path)
+        import scipy.io
+
+        return {k: v for k, v in scipy.io.loadmat(path).items() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"}
+    except _BROKEN as error:
+        raise DicError(f"{path}: cannot be read as arrays: {error}") from None
+
+
+def _of_hdf5(path: Path) -> dict[str, np.ndarray]:
+    import netCDF4
+
+    found: dict[str, np.ndarray] = {}
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)
+        groups = [("", file)]
+        while groups:
+            at, group = groups.pop(0)
+            groups += [(f"{at}{name}/", inner) for name, inner in group.groups.items()]
+            for name, variable in group.variables.items():
+                if isinstance(variable.dtype, np.dtype) and variable.dtype.kind in "fiu":
+                    # What stands in a group has its own name, unless another has it already.
+                    found[f"{at}{name}" if name in found else name] = np.array(variable[...])
+    # MATLAB writes its columns first.
+    return {name: each.T if path.suffix.lower() == ".mat" else each for name, each in found.items()}
