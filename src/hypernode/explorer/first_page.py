@@ -105,7 +105,7 @@ def _link(path: str, words: str) -> str:
 
 
 def _reason(verdict: Verdict) -> str:
-    return " ".join(verdict.sentences) or "Every criterion that is judged is met."
+    return " ".join(verdict.words) or "Every criterion that is judged is met."
 
 
 def _verdicts(runs, explorers) -> str:

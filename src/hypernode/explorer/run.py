@@ -78,9 +78,10 @@ def _has_basis(files) -> bool:
 
 
 def _verdict(verdict) -> dict:
-    """The level, and every criterion."""
+    """The level, every criterion, and the suspects."""
     criteria = [{"name": c.name, "level": str(c.level), "sentence": c.sentence} for c in verdict.ranked]
-    return {"level": str(verdict.overall), "criteria": criteria}
+    suspects = [{"name": each.name, "sentence": each.sentence} for each in verdict.suspects]
+    return {"level": str(verdict.overall), "criteria": criteria, "suspects": suspects}
 
 
 def _steps(measurement) -> list[str]:

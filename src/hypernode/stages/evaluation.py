@@ -15,6 +15,7 @@ from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.level_budget import level_budget, table
 from hypernode.evaluation.shape import PrintedShape
+from hypernode.evaluation.suspects import evidence_of, with_suspects
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.synthetic.geometry import make_shape
@@ -45,6 +46,8 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     judged = judge(data, kind, stretches, shape)
     budget = level_budget(measurement, judged.variables["P_field"])
     verdict = judge_run(judged.summary, measurement, data.get("constrained"), budget=budget)
+    evidence = evidence_of(judged.summary, judged.variables, measurement, data.get("constrained"), budget)
+    verdict = with_suspects(verdict, evidence)
     summary = {"case": name, "verdict": verdict.label, **judged.summary}
     weights = _trained_weights(data["material"])
     write(

@@ -93,9 +93,11 @@ function verdictMarkup({ label, verdict: { level, criteria } }) {
 function writeNotes() {
   const everyRun = (markup) => runs.map((run) => markup(run, runs.length > 1 ? run.label : "")).join("");
   $("verdicts").innerHTML = everyRun(verdictMarkup);
-  $("criteria").innerHTML = everyRun(({ verdict: { criteria } }, caption) => {
+  $("criteria").innerHTML = everyRun(({ verdict: { criteria, suspects } }, caption) => {
     const rows = criteria.map(({ level, name, sentence }) => [{ level }, name, sentence]);
-    return table(["level", "criterion", "why"], rows, caption);
+    const causes = suspects.map(({ name, sentence }) => [name, sentence]);
+    const likeliest = causes.length ? table(["suspect", "what speaks for it"], causes, caption) : "";
+    return table(["level", "criterion", "why"], rows, caption) + likeliest;
   });
   $("forces").innerHTML = everyRun(({ label, forces, steps, units }, caption) => {
     if (!forces.length) return `<p>${escaped(label)}: no force is known.</p>`;
