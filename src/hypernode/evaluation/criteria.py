@@ -2,12 +2,13 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
@@ -26,6 +27,7 @@ def judge_run(
     constrained: xr.Dataset | None = None,
     settings: Settings = SETTINGS,
     budget: LevelBudget | None = None,
+    doubt: Sequence[Doubt] = (),
 ) -> Verdict:
     """The verdict on one run.
 
@@ -33,6 +35,7 @@ def judge_run(
         summary: numbers of its evaluation.
         measurement, constrained: opened files; no constrained field where the method has none.
         budget: of the level of the stress; none where no force was recorded.
+        doubt: in every mode of deformation.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
@@ -53,6 +56,8 @@ def judge_run(
             _force_record(measurement),
             _spread(summary, settings),
             judge_level(budget, settings.level),
+            judge_modes(list(doubt)),
+            judge_volume(constrained, list(doubt)),
             _inclusion(summary),
         )
     )

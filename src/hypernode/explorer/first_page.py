@@ -7,6 +7,8 @@ from importlib.resources import files as package_files
 
 import xarray as xr
 
+from hypernode.evaluation.doubt import ASKED
+from hypernode.evaluation.limits import percent
 from hypernode.explorer.facts import FACTS, fact
 from hypernode.tables.verdicts import RunVerdict, count
 from hypernode.verdict import Verdict
@@ -59,11 +61,13 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
     Raises:
         VerdictError: an evaluation holds no verdict.
     """
+    evaluations = list(evaluations)
     runs = [(*RunVerdict.of(each), json.loads(each.attrs["summary"])) for each in evaluations]
     runs.sort(key=lambda run: (-run[1].overall.rank, run[0]))
     parts = [
         _verdicts(runs, settings["explorers"]),
         _numbers(runs),
+        _doubt(evaluations),
         _cases(settings["cases"]),
         _shown("figures", settings["figures"], FIGURE_FORMATS),
         _shown("tables", {name: ("", []) for name in settings["tables"]}, TABLE_FORMATS),
@@ -128,6 +132,22 @@ def _numbers(runs) -> str:
     ]
     columns = ("run", *(words for words, _ in FACTS.values()))
     return "<h2>Ten numbers</h2>" + _table("numbers", "Empty where a run does not know it", columns, rows)
+
+
+def _doubt(evaluations) -> str:
+    """Doubt in every mode at the stretch of the test, of runs that know it."""
+    rows = []
+    for each in evaluations:
+        doubt = json.loads(each.attrs.get("doubt", "[]"))
+        of_test = [one for one in doubt if one["stretch"] == doubt[1]["stretch"]]
+        shown = (percent(one["total"]) + ("" if one["inside"] else " (beyond)") for one in of_test)
+        cells = "".join(f'<td class="number">{escape(text)}</td>' for text in shown)
+        rows += [f'<tr><th scope="row">{escape(RunVerdict.of(each).run)}</th>{cells}</tr>'] if doubt else []
+    if not rows:
+        return ""
+    caption = "Standard uncertainty of the stress by mode, at the stretch of the test; beyond: of what it has not seen"
+    columns = ("run", *(mode.replace("_", " ") for mode in ASKED))
+    return "<h2>Doubt in every deformation</h2>" + _table("doubt", caption, columns, sorted(rows))
 
 
 def _cases(cases: Mapping) -> str:

@@ -62,6 +62,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "forces": force_numbers(evaluation),
         "sheets": sheets_of_one_phase(files),
         "trace": _trace(files.get("constrained")),
+        "doubt": json.loads(evaluation.attrs.get("doubt", "[]")),
         "facts": [list(each) for each in facts(summary)],
         "start": _start(evaluation, mesh),
     }

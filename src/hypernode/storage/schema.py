@@ -25,6 +25,7 @@ DIMS = {
     "other_dof": "the same",
     "component": "along columns, to the right, then along rows, downward",
     "record_sample": "one of equal times of the force record",
+    "open_sample": "a field of a law with one term more that explains the test as well",
     "node": "a grid point where displacement is measured or computed",
     "cell": "a quadrilateral of four neighbouring grid points",
     "vertex": "the four nodes of a cell, counter-clockwise from the lower left",

@@ -99,6 +99,19 @@ function writeNotes() {
     const likeliest = causes.length ? table(["suspect", "what speaks for it"], causes, caption) : "";
     return table(["level", "criterion", "why"], rows, caption) + likeliest;
   });
+  $("doubt").innerHTML = everyRun(({ doubt }, caption) => {
+    if (!doubt.length) return "<p>Not known: there are no samples.</p>";
+    const heads = ["mode", "stretch", "seen", "samples [%]", "other laws [%]", "networks [%]", "level [%]", "all [%]"];
+    const shares = ({ spread, other_laws: laws, networks, level, total }) =>
+      [spread, laws, networks, level, total].map((share) => shown(100 * share, 2));
+    const rows = doubt.map((each) => [
+      each.mode.replace("_", " "),
+      shown(each.stretch, 3),
+      each.inside ? "yes" : "beyond",
+      ...shares(each),
+    ]);
+    return table(heads, rows, caption);
+  });
   $("forces").innerHTML = everyRun(({ label, forces, steps, units }, caption) => {
     if (!forces.length) return `<p>${escaped(label)}: no force is known.</p>`;
     const heads = ["step", "force", `measured [${unitText(units.force)}]`, "identified", "missed by [%]"];
