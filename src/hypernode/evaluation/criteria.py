@@ -14,6 +14,7 @@ from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
+from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
@@ -28,6 +29,7 @@ def judge_run(
     settings: Settings = SETTINGS,
     budget: LevelBudget | None = None,
     doubt: Sequence[Doubt] = (),
+    where: Refuted | None = None,
 ) -> Verdict:
     """The verdict on one run.
 
@@ -36,6 +38,7 @@ def judge_run(
         measurement, constrained: opened files; no constrained field where the method has none.
         budget: of the level of the stress; none where no force was recorded.
         doubt: in every mode of deformation.
+        where: the law fails; None where nothing says so.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
@@ -47,6 +50,7 @@ def judge_run(
             explained,
             *_window(measurement, constrained, settings),
             judge_places(summary, settings),
+            judge_refuted(where, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             judge_left_out(constrained, settings),

@@ -15,9 +15,12 @@ from hypernode.dic.labels import labelled_shape
 from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.doubt import doubts
 from hypernode.evaluation.judge import judge, shape_stretch
+from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.level_budget import SHARE, level_budget, table
+from hypernode.evaluation.refuted import refuted
 from hypernode.evaluation.shape import PrintedShape
 from hypernode.evaluation.suspects import evidence_of, with_suspects
+from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.synthetic.geometry import make_shape
@@ -50,7 +53,10 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     # Samples know the errors of the load cell, and not what is beside the points.
     beside = 0.0 if budget is None else budget.of(SHARE).level
     doubt = doubts(data, mesh_of(measurement).centres, float(measurement["stretch"].values.max()), beside)
-    verdict = judge_run(judged.summary, measurement, data.get("constrained"), budget=budget, doubt=doubt)
+    where = refuted(measurement, data.get("constrained"))
+    if where is not None:
+        judged |= Judgement({"refuted_by": where.size})
+    verdict = judge_run(judged.summary, measurement, data.get("constrained"), SETTINGS, budget, doubt, where)
     evidence = evidence_of(judged.summary, judged.variables, measurement, data.get("constrained"), budget)
     verdict = with_suspects(verdict, evidence)
     summary = {"case": name, "verdict": verdict.label, **judged.summary}

@@ -181,6 +181,9 @@ VARIABLES = {
     "trace_P_spread": Variable(
         ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
     ),
+    "refuted_by": Variable(
+        ("cell",), "1", "displacement that is missed and grows with the test, over noise; zero where chance makes it"
+    ),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
