@@ -1,7 +1,7 @@
 """How far the stress is known in every mode of deformation, within what a test has seen and beyond.
 
-A test tells the stress of the deformations that it makes. Doubt in others is from four things: samples of the kept
-law, laws that explain the test as well, networks that miss the field they learnt, and the level of the forces.
+A test tells the stress of the deformations that it makes. Doubt in others is from samples of the kept law, and from
+laws that explain the test as well. Networks that miss the field they learnt and the level of the forces join it.
 """
 
 import json
@@ -98,7 +98,7 @@ def doubts(
             state = _state(field, X, mode, stretch, domain)
             best = _read(field, X, state)
             size = np.sqrt(np.nanmean(np.sum(best**2, axis=0)))
-            rms = {term: _rms(_read(each, X, state, n), best) / size for term, (each, n) in others.items()}
+            rms = {t: farther_half(_away(_read(each, X, state, n), best)) / size for t, (each, n) in others.items()}
             networks = 0.0 if learnt is None else _rms(_read(learnt, X, state, 1), best) / size
             spread = _rms(_read(samples, X, state, count), best) / size
             found.append(Doubt(mode, stretch, state.inside, spread, rms, networks, level))
@@ -127,9 +127,23 @@ def _read(material: Material, X, state: _State, count: int | None = None):
     return read if count else read[0]
 
 
+def _away(values, best) -> Float[np.ndarray, " sample"]:
+    """Root mean square distance of each sample from a field."""
+    return np.sqrt(np.nanmean(np.sum((values - best) ** 2, axis=1), axis=1))
+
+
 def _rms(values, best) -> float:
-    """Root mean square distance of samples from a field."""
-    return float(np.sqrt(np.nanmean(np.sum((values - best) ** 2, axis=1))))
+    """The same of all samples."""
+    return float(np.sqrt(np.mean(_away(values, best) ** 2)))
+
+
+def farther_half(distances: Float[np.ndarray, " sample"]) -> float:
+    """Root mean square of the larger half of the distances.
+
+    Samples of an open law are of several beginnings, as fibres in four directions. Any of them may be the sheet's, so
+    that those which differ more count.
+    """
+    return float(np.sqrt(np.mean(np.sort(distances)[len(distances) // 2 :] ** 2)))
 
 
 def judge_modes(found: list[Doubt]) -> Criterion:

@@ -7,7 +7,6 @@ steps with it. Where they then explain the test as well, samples of that law sta
 import dataclasses
 
 import numpy as np
-import scipy.linalg
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
@@ -23,15 +22,19 @@ from hypernode.identification.volume import OF_THICKNESS
 from hypernode.mechanics.convex_basis import PARAMETERS, ConvexBasis
 
 #: Steps of materials with one term more: they begin near the kept ones.
-STEPS = 3
+STEPS = 5
 #: Standard deviation of a parameter of that term without data: it is about as strong as the neo-Hookean term at most.
 USUAL = 1.0
 #: Logarithm of the likelihood that such a law may lack and still be no worse: two standard deviations of one number.
 AS_WELL = 2.0
 #: How often a sample may be brought nearer to its fit by half.
 HALVED = 5
-#: An area that nearly keeps the volume of the sheet, c3 = 0.1 and c4 = 0.9: from there a search may go either way.
-NEARLY_KEPT = {"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))}
+#: Where terms begin otherwise than a law does. Fibres begin weak and as strong as half of the matrix: along a valley that
+#: bends, samples of one end say little of the other. An area begins near one that keeps the volume, c3 = 0.1, c4 = 0.9.
+BEGUN = {
+    "fibre": ({"fibre_x": 0.1}, {"fibre_x": 0.5}),
+    "J": ({"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))},),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,9 +89,10 @@ def open_laws(found: InterfaceEstimate, settings: Constrained, count: int, seed:
     for term in terms_left(found.basis.terms, settings):
         terms = [kept for kept in found.basis.terms if term != "J" or kept not in OF_THICKNESS]
         problem = with_law(found.problem, dataclasses.replace(found.basis, terms=(*terms, term)))
-        begun = translated(found.field.materials, found.problem, problem, NEARLY_KEPT)
         tried = [
-            _fitted(problem, found.field.with_law(each), steps, guesses, sigma) for each in turned(begun, problem, term)
+            _fitted(problem, found.field.with_law(each), steps, guesses, sigma)
+            for begin in BEGUN.get(term, (None,))
+            for each in turned(translated(found.field.materials, found.problem, problem, begin), problem, term)
         ]
         as_well = [each for each in tried if each is not None and each.cost <= own + AS_WELL]
         if as_well:
@@ -142,7 +146,8 @@ def _fitted(problem: FieldProblem, field: Interfaces, steps, guesses, sigma: flo
         gradient = gradient + numbers.slope(numbers.y)
         changed, _, going = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, problem.strategy)
         of = np.flatnonzero(going)
-        half = scipy.linalg.cholesky(np.linalg.inv(curvature[np.ix_(of, of)]), lower=True)
+        values, vectors = np.linalg.eigh(curvature[np.ix_(of, of)])
+        half = vectors / np.sqrt(np.maximum(values, np.finfo(float).eps * values.max()))
         best = _Fitted(test, sigma, field, guesses, cost, half, of)
         field = field.at(changed, field.still)
     return best

@@ -1,8 +1,8 @@
 """Whether a sheet keeps its volume: the test decides between laws that keep it and laws with J.
 
 A law of I1 alone that keeps the volume is the plainest, and stands where it explains the test. Where it leaves more
-than noise, or has terms that may stand for a volume that changes, the same search goes through laws whose area has an
-energy of its own. The likelier field is kept. These laws have no fibres: one test hardly tells a direction from them.
+than noise, or has terms that may stand for a volume that changes, the search begins again. It goes through laws whose
+area has an energy of its own, and the likelier field is kept. These have no fibres: one test hardly tells both.
 """
 
 from collections.abc import Callable

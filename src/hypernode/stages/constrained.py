@@ -21,7 +21,7 @@ from hypernode.storage.schema import without_truth
 from hypernode.trace import stored
 
 #: Samples of every law that explains a test as well: each costs two equilibria.
-OPEN_SAMPLES = 4
+OPEN_SAMPLES = 8
 
 
 def run(settings: Constrained, name: str, measurement_file: str, output: str, attributes: dict) -> None:

@@ -25,7 +25,7 @@ DIMS = {
     "other_dof": "the same",
     "component": "along columns, to the right, then along rows, downward",
     "record_sample": "one of equal times of the force record",
-    "open_sample": "a field of a law with one term more that explains the test as well",
+    "open_sample": "a field of a law that explains the test as well",
     "node": "a grid point where displacement is measured or computed",
     "cell": "a quadrilateral of four neighbouring grid points",
     "vertex": "the four nodes of a cell, counter-clockwise from the lower left",
@@ -181,9 +181,7 @@ VARIABLES = {
     "trace_P_spread": Variable(
         ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
     ),
-    "refuted_by": Variable(
-        ("cell",), "1", "displacement that is missed and grows with the test, over noise; zero where chance makes it"
-    ),
+    "refuted_by": Variable(("cell",), "1", "what is missed and grows with the test, over noise; zero by chance"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
