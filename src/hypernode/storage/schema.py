@@ -186,9 +186,7 @@ VARIABLES = {
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
     "curve_stretch": Variable(("curve_point",), "1", "stretch along the curves"),
-    "curve_identified": Variable(
-        ("location", "curve_point", "i"), "stress", "identified normal stresses P_xX and P_yY"
-    ),
+    "curve_identified": Variable(("location", "curve_point", "i"), "stress", "identified normal P_xX and P_yY"),
     "curve_true": Variable(("location", "curve_point", "i"), "stress", "true normal stresses P_xX and P_yY"),
     "curve_location": Variable(("location", "i"), "length", "where the curves are drawn, NaN without an inclusion"),
     "edge_force_identified": Variable(
