@@ -12,12 +12,14 @@ from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
-from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
+from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
 from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
+#: Contrast that is seen of a fiftieth of a sheet over that of a fifth: scatter is told, the root of p (1 - p) times it.
+SMALL = math.sqrt((TYPICAL_SHARE * (1.0 - TYPICAL_SHARE)) / (0.02 * 0.98))
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
@@ -184,6 +186,8 @@ def _inclusion(summary) -> Criterion:
     if summary["inclusion"] == SEEN:
         sentence = f"{NUMERALS[count]} phases are distinguishable: {explained}."
     else:
-        visible = f"contrasts above {percent(summary['detectable_contrast'])} would have been seen"
+        contrast = summary["detectable_contrast"]
+        visible = f"contrasts above {percent(contrast)} would have been seen of a fifth of the sheet"
+        visible += f", and above {percent(contrast * SMALL)} of a fiftieth"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

@@ -30,7 +30,8 @@ AS_WELL = 2.0
 #: How often a sample may be brought nearer to its fit by half.
 HALVED = 5
 #: Where terms begin otherwise than a law does. Fibres begin weak and as strong as half of the matrix: along a valley
-#: that bends, samples of one end say little of the other. An area begins near one that keeps the volume, c3 = 0.1, c4 = 0.9.
+#: that bends, samples of one end say little of the other. An area begins near one that keeps the volume: c3 = 0.1 and
+#: c4 = 0.9.
 BEGUN = {
     "fibre": ({"fibre_x": 0.1}, {"fibre_x": 0.5}),
     "J": ({"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))},),
