@@ -61,10 +61,31 @@ class Criterion:
 
 
 @dataclass(frozen=True)
+class Suspect:
+    """What may be to blame for criteria that are not met.
+
+    Attributes:
+        name: of the cause.
+        weight: how much of what is missed has its pattern, 0 to 1.
+        sentence: what speaks for it.
+    """
+
+    name: str
+    weight: float
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Verdict:
-    """All criteria of a run."""
+    """All criteria of a run.
+
+    Attributes:
+        criteria: what was asked.
+        suspects: the likeliest causes of those that are not met, the likeliest first.
+    """
 
     criteria: tuple[Criterion, ...]
+    suspects: tuple[Suspect, ...] = ()
 
     @property
     def overall(self) -> Level:
@@ -91,12 +112,24 @@ class Verdict:
         """Those of the criteria that are not met, in the order of :attr:`ranked`."""
         return [c.sentence for c in self.ranked if c.unmet]
 
+    @property
+    def causes(self) -> list[str]:
+        """A sentence on each suspect, the likeliest first."""
+        return [f"Suspect: {each.name}. {each.sentence}" for each in self.suspects]
+
+    @property
+    def words(self) -> list[str]:
+        """All that is said of a run that does not pass: :attr:`sentences`, then :attr:`causes`."""
+        return [*self.sentences, *self.causes]
+
     @classmethod
     def of(cls, stored: Mapping) -> "Verdict":
         """The verdict that :meth:`stored` gave."""
         criteria = ({**each, "level": Level(each["level"])} for each in stored["criteria"])
-        return cls(tuple(Criterion(**each) for each in criteria))
+        suspects = tuple(Suspect(**each) for each in stored.get("suspects", ()))
+        return cls(tuple(Criterion(**each) for each in criteria), suspects)
 
     def stored(self) -> dict:
-        """The verdict as result files hold it: ``overall`` and ``criteria``."""
-        return {"overall": str(self.overall), "criteria": [asdict(criterion) for criterion in self.criteria]}
+        """The verdict as result files hold it: ``overall``, ``criteria`` and ``suspects``."""
+        told = {"criteria": self.criteria, "suspects": self.suspects}
+        return {"overall": str(self.overall)} | {key: [asdict(each) for each in told[key]] for key in told}

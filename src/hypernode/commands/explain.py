@@ -31,7 +31,7 @@ def explain(arguments) -> int:
     evaluation = arguments.folder / "evaluation.nc"
     if evaluation.is_file():
         ((_, verdict),) = read_verdicts([evaluation])
-        print("\n".join(["", f"verdict: {verdict.overall}", *(f"  {each}" for each in verdict.sentences)]))
+        print("\n".join(["", f"verdict: {verdict.overall}", *(f"  {each}" for each in verdict.words)]))
     return 0
 
 

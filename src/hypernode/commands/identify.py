@@ -153,11 +153,12 @@ def print_results(arguments, config, specimen: str) -> int:
 
 
 def _reasons(verdict) -> list[str]:
-    """A line for every criterion that is judged, the worst first."""
+    """A line for every criterion that is judged, the worst first, then one for every suspect."""
     from hypernode.verdict import Level
 
     judged = [each for each in verdict.criteria if each.level is not Level.NOT_JUDGED]
-    return [f"  {each.level}: {each.sentence}" for each in sorted(judged, key=lambda each: -each.level.rank)]
+    lines = [f"  {each.level}: {each.sentence}" for each in sorted(judged, key=lambda each: -each.level.rank)]
+    return [*lines, *(f"  {each}" for each in verdict.causes)]
 
 
 def _figures(config, run: str) -> list[str]:

@@ -34,7 +34,8 @@ class Interpolant(Frequencies, Optimiser):
     """The network (X, t) -> F."""
 
 
-def _needing_thickness(terms: list[str]) -> bool:
+def needing_thickness(terms: list[str]) -> bool:
+    """Whether one of these terms of networks contains the thickness of the sheet."""
     return any("I2" in term or term in POWERS for term in terms)
 
 
@@ -68,7 +69,7 @@ class Node(Section):
             raise ValueError(
                 "terms need I1 or I2: a material without an isotropic part has no stiffness across its fibres"
             )
-        if "J" in self.terms and ("I1" not in self.terms or _needing_thickness(self.terms)):
+        if "J" in self.terms and ("I1" not in self.terms or needing_thickness(self.terms)):
             raise ValueError(
                 "terms with J need I1, no I2 and no powers of stretches: these need the thickness, which J leaves open"
             )
@@ -111,6 +112,9 @@ class Constrained(Section):
     likelier field is kept."""
     further_terms: list[Literal[BASIS_TERMS]] = []
     """Terms that are tried beside these where they do not explain the test."""
+    volume: Literal["kept", "told"] = "kept"
+    """Whether sheets without the term J keep their volume, or the test decides between such laws and laws with J. The
+    presets let it decide."""
     iterations: Count = 60
     """Largest number of iterations."""
     regulariser_weight: Positive = 25.0

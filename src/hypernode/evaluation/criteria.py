@@ -2,20 +2,24 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
-from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
+from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
 from hypernode.evaluation.polish import KEPT
+from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
+#: Contrast that is seen of a fiftieth of a sheet over that of a fifth: scatter is told, the root of p (1 - p) times it.
+SMALL = math.sqrt((TYPICAL_SHARE * (1.0 - TYPICAL_SHARE)) / (0.02 * 0.98))
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
@@ -26,6 +30,8 @@ def judge_run(
     constrained: xr.Dataset | None = None,
     settings: Settings = SETTINGS,
     budget: LevelBudget | None = None,
+    doubt: Sequence[Doubt] = (),
+    where: Refuted | None = None,
 ) -> Verdict:
     """The verdict on one run.
 
@@ -33,6 +39,8 @@ def judge_run(
         summary: numbers of its evaluation.
         measurement, constrained: opened files; ``constrained`` is None for a method without an equilibrium field.
         budget: of the level of the stress; None without a recorded force.
+        doubt: in every mode of deformation.
+        where: the law fails; None where nothing says so.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
@@ -44,6 +52,7 @@ def judge_run(
             explained,
             *_window(measurement, constrained, settings),
             judge_places(summary, settings),
+            judge_refuted(where, settings),
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             judge_left_out(constrained, settings),
@@ -53,6 +62,8 @@ def judge_run(
             _force_record(measurement),
             _spread(summary, settings),
             judge_level(budget, settings.level),
+            judge_modes(list(doubt)),
+            judge_volume(constrained, list(doubt)),
             _inclusion(summary),
         )
     )
@@ -175,6 +186,8 @@ def _inclusion(summary) -> Criterion:
     if summary["inclusion"] == SEEN:
         sentence = f"{NUMERALS[count]} phases are distinguishable: {explained}."
     else:
-        visible = f"contrasts above {percent(summary['detectable_contrast'])} would have been seen"
+        contrast = summary["detectable_contrast"]
+        visible = f"contrasts above {percent(contrast)} would have been seen of a fifth of the sheet"
+        visible += f", and above {percent(contrast * SMALL)} of a fiftieth"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

@@ -5,14 +5,19 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from importlib.resources import files as package_files
 
+import numpy as np
 import xarray as xr
 
+from hypernode.evaluation.doubt import ASKED
+from hypernode.evaluation.limits import percent
 from hypernode.explorer.facts import FACTS, fact
 from hypernode.tables.verdicts import RunVerdict, count
 from hypernode.verdict import Verdict
 
 #: Formats of figures and tables, the one that is looked at first.
 FIGURE_FORMATS, TABLE_FORMATS = ("png", "pdf"), ("md", "csv", "tex")
+#: Longer side of a map, in pixels.
+MAP_SIDE = 120.0
 #: File of rules -> what they are about, in the order in which results are made.
 TOPICS = {
     "forward": "The sheet",
@@ -59,11 +64,14 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
     Raises:
         VerdictError: an evaluation holds no verdict.
     """
+    evaluations = list(evaluations)
     runs = [(*RunVerdict.of(each), json.loads(each.attrs["summary"])) for each in evaluations]
     runs.sort(key=lambda run: (-run[1].overall.rank, run[0]))
     parts = [
         _verdicts(runs, settings["explorers"]),
         _numbers(runs),
+        _doubt(evaluations),
+        _refuted(evaluations),
         _cases(settings["cases"]),
         _shown("figures", settings["figures"], FIGURE_FORMATS),
         _shown("tables", {name: ("", []) for name in settings["tables"]}, TABLE_FORMATS),
@@ -105,7 +113,7 @@ def _link(path: str, words: str) -> str:
 
 
 def _reason(verdict: Verdict) -> str:
-    return " ".join(verdict.sentences) or "Every criterion that is judged is met."
+    return " ".join(verdict.words) or "Every criterion that is judged is met."
 
 
 def _verdicts(runs, explorers) -> str:
@@ -128,6 +136,47 @@ def _numbers(runs) -> str:
     ]
     columns = ("run", *(words for words, _ in FACTS.values()))
     return "<h2>Ten numbers</h2>" + _table("numbers", "Empty where a run does not know it", columns, rows)
+
+
+def _doubt(evaluations) -> str:
+    """Doubt in every mode at the stretch of the test, of runs that know it."""
+    rows = []
+    for each in evaluations:
+        doubt = json.loads(each.attrs.get("doubt", "[]"))
+        of_test = [one for one in doubt if one["stretch"] == doubt[1]["stretch"]]
+        shown = (percent(one["total"]) + ("" if one["inside"] else " (beyond)") for one in of_test)
+        cells = "".join(f'<td class="number">{escape(text)}</td>' for text in shown)
+        rows += [f'<tr><th scope="row">{escape(RunVerdict.of(each).run)}</th>{cells}</tr>'] if doubt else []
+    if not rows:
+        return ""
+    caption = "Standard uncertainty of the stress by mode, at the stretch of the test; beyond: of what it has not seen"
+    columns = ("run", *(mode.replace("_", " ") for mode in ASKED))
+    return "<h2>Doubt in every deformation</h2>" + _table("doubt", caption, columns, sorted(rows))
+
+
+def _refuted(evaluations) -> str:
+    """A small map of every run whose law is refuted somewhere."""
+    maps = []
+    for each in evaluations:
+        if "refuted_by" not in each or not (cells := np.flatnonzero(each["refuted_by"].values > 0.0)).size:
+            continue
+        (left, low), (right, high) = each["corners"].values
+        scale = MAP_SIDE / max(right - left, high - low)
+        X = (each["X"].values[each["cells"].values[cells]] - [left, low]) * scale
+        height, width = (high - low) * scale, (right - left) * scale
+        corners = ([f"{x:.1f},{height - y:.1f}" for x, y in cell] for cell in X)
+        path = "".join(f"M{'L'.join(cell)}Z" for cell in corners)
+        share = percent(len(cells) / each.sizes["cell"])
+        name = RunVerdict.of(each).run
+        maps.append(
+            f'<figure><svg width="{width:.0f}" height="{height:.0f}" role="img" aria-label="{escape(name)}: {share}">'
+            '<rect width="100%" height="100%" fill="none" stroke="currentColor"/>'
+            f'<path d="{path}" fill="#C00000"/></svg>'
+            f"<figcaption>{escape(name)}: {share} of the sheet</figcaption></figure>"
+        )
+    if not maps:
+        return ""
+    return f"<h2>Where laws fail</h2><p>Displacements are missed there by what grows with the test.</p>{''.join(maps)}"
 
 
 def _cases(cases: Mapping) -> str:

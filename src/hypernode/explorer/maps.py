@@ -52,7 +52,15 @@ def maps_of(files: Mapping[str, xr.Dataset], material: Material, true: Material 
     """
     evaluation = files["evaluation"]
     stiffness, anisotropy, angle = _of_material(evaluation, material, true)
-    found = [stiffness, anisotropy, angle, *_strains(evaluation), *_misfit(files), *_spread(evaluation)]
+    found = [
+        stiffness,
+        anisotropy,
+        angle,
+        *_strains(evaluation),
+        *_misfit(files),
+        *_refuted(evaluation),
+        *_spread(evaluation),
+    ]
     found += _phases(evaluation, stiffness)
     if stiffness.truth is not None:
         error = 100.0 * np.abs(stiffness.values / stiffness.truth - 1.0)
@@ -122,6 +130,14 @@ def _misfit(files) -> list[Map]:
     title = "Displacement misfit over noise" if noisy else "Displacement misfit"
     about = f"Measured less identified displacement{', root mean square of a component over its noise' * noisy}."
     return [Map("misfit", title, unit, about, ERROR_MAP, np.sqrt(mean), least=0.0)]
+
+
+def _refuted(evaluation) -> list[Map]:
+    if "refuted_by" not in evaluation:
+        return []
+    about = "Displacement that is missed and grows with the test, over its noise; zero where chance makes as much."
+    values = evaluation["refuted_by"].values[None]
+    return [Map("refuted", "Where the law fails", "1", about, ERROR_MAP, values, least=0.0)]
 
 
 def _spread(evaluation) -> list[Map]:

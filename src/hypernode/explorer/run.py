@@ -62,6 +62,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "forces": force_numbers(evaluation),
         "sheets": sheets_of_one_phase(files),
         "trace": _trace(files.get("constrained")),
+        "doubt": json.loads(evaluation.attrs.get("doubt", "[]")),
         "facts": [list(each) for each in facts(summary)],
         "start": _start(evaluation, mesh),
     }
@@ -78,9 +79,10 @@ def _has_basis(files) -> bool:
 
 
 def _verdict(verdict) -> dict:
-    """The level, and every criterion."""
+    """The level, every criterion, and the suspects."""
     criteria = [{"name": c.name, "level": str(c.level), "sentence": c.sentence} for c in verdict.ranked]
-    return {"level": str(verdict.overall), "criteria": criteria}
+    suspects = [{"name": each.name, "sentence": each.sentence} for each in verdict.suspects]
+    return {"level": str(verdict.overall), "criteria": criteria, "suspects": suspects}
 
 
 def _steps(measurement) -> list[str]:

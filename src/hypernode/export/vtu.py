@@ -35,7 +35,7 @@ def _page(run: Run, fields) -> str:
             f"# Arrays of sheet.vtu, {run.name}",
             "",
             f"Lengths are in {run.material.units['length']}. Verdict on the run: {verdict.label}.",
-            *(f"- {sentence}" for sentence in verdict.sentences),
+            *(f"- {sentence}" for sentence in verdict.words),
             "",
             "| array | unit | meaning |",
             "|---|---|---|",

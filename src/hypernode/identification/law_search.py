@@ -1,6 +1,6 @@
 """Search for the terms of the law: one after the other, as long as the score improves."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -77,7 +77,8 @@ class LawSearch:
         left = kept.fit.left
         sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
         descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
-        begun, guesses = _translated(kept, problem), [kept.u[k] for k in self._steps]
+        begun = translated(kept.fit.field.materials, kept.problem, problem)
+        guesses = [kept.u[k] for k in self._steps]
         fields = [kept.fit.field.with_law(each) for each in turned(begun, problem, term)]
         costs = [descent.predicted(field, guesses, sigma) for field in fields]
         best = int(np.argmin(costs))
@@ -121,15 +122,21 @@ def turned(materials: np.ndarray, problem: FieldProblem, term: str) -> list[np.n
     return found
 
 
-def _translated(found: Candidate, problem: FieldProblem) -> np.ndarray:
-    """Materials of another law: parameters that both have, others as the law begins, as stiff at the test's mean."""
-    names, old = problem.basis.names, found.problem.basis.names
-    before = found.fit.field.materials
+def translated(before: np.ndarray, of: FieldProblem, problem: FieldProblem, begin: Mapping | None = None) -> np.ndarray:
+    """Materials of another law: parameters that both have, others as the law begins, as stiff at the test's mean.
+
+    Args:
+        before: materials of the law of ``of`` (material, parameter).
+        begin: values of parameters that begin otherwise, by name.
+    """
+    names, old = problem.basis.names, of.basis.names
     materials = np.tile(problem.basis.start, (len(before), 1))
     for k, name in enumerate(names):
         if name in old:
             materials[:, k] = before[:, old.index(name)]
-    materials[:, 0] += stiffness_of(found.problem, before) - stiffness_of(problem, materials)
+        elif begin and name in begin:
+            materials[:, k] = begin[name]
+    materials[:, 0] += stiffness_of(of, before) - stiffness_of(problem, materials)
     return materials
 
 

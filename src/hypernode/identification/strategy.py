@@ -19,6 +19,7 @@ from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.interface_search import of_parts
 from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
+from hypernode.identification.volume import of_cells_of_either, of_either
 from hypernode.progress import say
 from hypernode.trace import table
 from hypernode.verdict import Ending
@@ -36,7 +37,8 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         IdentificationError: no equilibrium at the homogeneous start.
         ImpossibleForcesError: no sheet gives the forces.
     """
-    found = of_parts(measurement, settings, name, strategy) or of_cells(measurement, settings, name, strategy)
+    found = of_either(settings, lambda each: of_parts(measurement, each, name, strategy))
+    found = found or of_cells_of_either(settings, lambda each: of_cells(measurement, each, name, strategy))
     for line in table(found.trace.rows(found.trial)):
         say("constrained", name, line)
     _warn(found, settings, name)

@@ -7,15 +7,21 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
+from hypernode.identification.open_laws import open_laws
 from hypernode.identification.strategy import identify
 from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
+from hypernode.material.open_files import open_content
 from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
 from hypernode.trace import stored
+
+#: Samples of every law that explains a test as well: each costs two equilibria.
+OPEN_SAMPLES = 8
 
 
 def run(settings: Constrained, name: str, measurement_file: str, output: str, attributes: dict) -> None:
@@ -38,8 +44,10 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     F = deformation_gradient(mesh_of(measurement), variables["u"])
     seen, measures = domain_content(Domain.of(F, found.basis.has_fibres))
     variables |= content | seen
+    beside = {}
     if settings.posterior_samples and not problem.certain:
         variables |= _posterior(found, settings)
+        beside = _open_laws(found, settings, variables)
     if found.layered:
         variables |= {"P_jump": found.jump_stress(F)}
     variables |= _geometry(found)
@@ -57,6 +65,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **kind,
             **measures,
             **_ending(found),
+            **beside,
             "trace": stored(found.trace.rows(found.trial)),
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
@@ -88,6 +97,15 @@ def _posterior(found, settings: Constrained) -> dict:
     samples = found.samples(settings.posterior_samples, settings.seed)
     dims = ("posterior_sample", "subcell", "cell")
     return {f"posterior.{key}": (dims, samples[k]) for k, key in enumerate(found.basis.names)}
+
+
+def _open_laws(found, settings: Constrained, variables: dict) -> dict:
+    """Attributes of the laws that explain the test as well; adds their samples to the variables."""
+    if not isinstance(found, InterfaceEstimate):
+        return {}
+    samples, attributes = open_content(open_laws(found, settings, OPEN_SAMPLES, settings.seed))
+    variables |= samples
+    return attributes
 
 
 def _ending(found) -> dict:

@@ -9,12 +9,18 @@ import numpy as np
 from hypernode.config.geometries import Image
 from hypernode.config.model import Config
 from hypernode.config.specimens import Specimen
+from hypernode.data.measurement import mesh_of
 from hypernode.dic.array_files import SUFFIXES
 from hypernode.dic.labels import labelled_shape
 from hypernode.evaluation.criteria import judge_run
+from hypernode.evaluation.doubt import doubts
 from hypernode.evaluation.judge import judge, shape_stretch
-from hypernode.evaluation.level_budget import level_budget, table
+from hypernode.evaluation.judgement import Judgement
+from hypernode.evaluation.level_budget import SHARE, level_budget, table
+from hypernode.evaluation.refuted import refuted
 from hypernode.evaluation.shape import PrintedShape
+from hypernode.evaluation.suspects import evidence_of, with_suspects
+from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.mechanics.modes import MODES
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.synthetic.geometry import make_shape
@@ -44,7 +50,15 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         shape = PrintedShape(*_printed(printed, config.specimens[case.specimen], corners))
     judged = judge(data, kind, stretches, shape)
     budget = level_budget(measurement, judged.variables["P_field"])
-    verdict = judge_run(judged.summary, measurement, data.get("constrained"), budget=budget)
+    # Samples know the errors of the load cell, and not what is beside the points.
+    beside = 0.0 if budget is None else budget.of(SHARE).level
+    doubt = doubts(data, mesh_of(measurement).centres, float(measurement["stretch"].values.max()), beside)
+    where = refuted(measurement, data.get("constrained"))
+    if where is not None:
+        judged |= Judgement({"refuted_by": where.size})
+    verdict = judge_run(judged.summary, measurement, data.get("constrained"), SETTINGS, budget, doubt, where)
+    evidence = evidence_of(judged.summary, judged.variables, measurement, data.get("constrained"), budget)
+    verdict = with_suspects(verdict, evidence)
     summary = {"case": name, "verdict": verdict.label, **judged.summary}
     weights = _trained_weights(data["material"])
     write(
@@ -62,6 +76,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
             "summary": summary | ({"parameters": weights} if weights else {}),
             "verdict": verdict.stored(),
             "level_budget": [] if budget is None else table(budget),
+            "doubt": [each.stored() for each in doubt],
         },
         parents=opened,
     )

@@ -25,6 +25,7 @@ DIMS = {
     "other_dof": "the same",
     "component": "along columns, to the right, then along rows, downward",
     "record_sample": "one of equal times of the force record",
+    "open_sample": "a field of a law that explains the test as well",
     "node": "a grid point where displacement is measured or computed",
     "cell": "a quadrilateral of four neighbouring grid points",
     "vertex": "the four nodes of a cell, counter-clockwise from the lower left",
@@ -180,13 +181,12 @@ VARIABLES = {
     "trace_P_spread": Variable(
         ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
     ),
+    "refuted_by": Variable(("cell",), "1", "what is missed and grows with the test, over noise; zero by chance"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
     "curve_stretch": Variable(("curve_point",), "1", "stretch along the curves"),
-    "curve_identified": Variable(
-        ("location", "curve_point", "i"), "stress", "identified normal stresses P_xX and P_yY"
-    ),
+    "curve_identified": Variable(("location", "curve_point", "i"), "stress", "identified normal P_xX and P_yY"),
     "curve_true": Variable(("location", "curve_point", "i"), "stress", "true normal stresses P_xX and P_yY"),
     "curve_location": Variable(("location", "i"), "length", "where the curves are drawn, NaN without an inclusion"),
     "edge_force_identified": Variable(

@@ -60,9 +60,9 @@ def evaluations(folder: Path) -> list[Path]:
 
 
 def listing(verdicts: list[RunVerdict]) -> list[str]:
-    """One line a run: its level, its name, and a sentence for every criterion that it does not meet."""
+    """One line a run: its level, its name, a sentence for every criterion that it does not meet, and its suspects."""
     width = max(len(each.run) for each in verdicts)
-    return [f"{each.overall}  {run:{width}}  {' '.join(each.sentences)}".rstrip() for run, each in verdicts]
+    return [f"{each.overall}  {run:{width}}  {' '.join(each.words)}".rstrip() for run, each in verdicts]
 
 
 def count(levels: Iterable[str]) -> str:

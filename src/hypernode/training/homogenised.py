@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.config.methods import Method
+from hypernode.config.methods import Method, Node, needing_thickness
 from hypernode.data.loading import Loading
 from hypernode.fem.gradient import mean_gradient
 from hypernode.fem.mesh import Mesh
@@ -32,6 +32,18 @@ class Homogenised(NamedTuple):
     P: np.ndarray
 
 
+def terms_for(node: Node, field_terms: Collection[str]) -> tuple[str, ...]:
+    """Terms of the networks that learn an equilibrium field.
+
+    Powers of stretches join where the field has them. Where its sheet may change its volume, J joins, and terms that
+    need the thickness leave.
+    """
+    if "J" in field_terms and "J" not in node.terms:
+        others = (term for term in node.terms if term != "I1" and not needing_thickness([term]))
+        return ("I1", *others, "J")
+    return (*node.terms, *(node.further_terms if "ogden" in field_terms else ()))
+
+
 def fit_homogenised(
     method: Method,
     name: str,
@@ -44,14 +56,13 @@ def fit_homogenised(
 
     Components whose resultant is not measured and that are not free carry no data. The units of stress and of the
     invariants in the networks are set here: those of the largest load step, or none where the method does not
-    normalise. So are their terms: powers of stretches join where ``field_terms``, those of the equilibrium field that
-    they will learn, have them.
+    normalise. So are their terms (:func:`terms_for`).
     """
     mean_F = jnp.asarray(mean_gradient(mesh, F), jnp.float32)
     largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
     unit = loading.scale if method.normalised else np.ones_like(loading.scale)
     node = NodeMaterial(
-        (*method.node.terms, *(method.node.further_terms if "ogden" in field_terms else ())),
+        terms_for(method.node, field_terms),
         tuple(method.node.hidden),
         method.node.rk4_steps,
         invariant_scale=largest if method.normalised else 1.0,

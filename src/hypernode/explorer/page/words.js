@@ -93,9 +93,24 @@ function verdictMarkup({ label, verdict: { level, criteria } }) {
 function writeNotes() {
   const everyRun = (markup) => runs.map((run) => markup(run, runs.length > 1 ? run.label : "")).join("");
   $("verdicts").innerHTML = everyRun(verdictMarkup);
-  $("criteria").innerHTML = everyRun(({ verdict: { criteria } }, caption) => {
+  $("criteria").innerHTML = everyRun(({ verdict: { criteria, suspects } }, caption) => {
     const rows = criteria.map(({ level, name, sentence }) => [{ level }, name, sentence]);
-    return table(["level", "criterion", "why"], rows, caption);
+    const causes = suspects.map(({ name, sentence }) => [name, sentence]);
+    const likeliest = causes.length ? table(["suspect", "what speaks for it"], causes, caption) : "";
+    return table(["level", "criterion", "why"], rows, caption) + likeliest;
+  });
+  $("doubt").innerHTML = everyRun(({ doubt }, caption) => {
+    if (!doubt.length) return "<p>Not known: there are no samples.</p>";
+    const heads = ["mode", "stretch", "seen", "samples [%]", "other laws [%]", "networks [%]", "level [%]", "all [%]"];
+    const shares = ({ spread, other_laws: laws, networks, level, total }) =>
+      [spread, laws, networks, level, total].map((share) => shown(100 * share, 2));
+    const rows = doubt.map((each) => [
+      each.mode.replace("_", " "),
+      shown(each.stretch, 3),
+      each.inside ? "yes" : "beyond",
+      ...shares(each),
+    ]);
+    return table(heads, rows, caption);
   });
   $("forces").innerHTML = everyRun(({ label, forces, steps, units }, caption) => {
     if (!forces.length) return `<p>${escaped(label)}: no force is known.</p>`;

@@ -1,0 +1,104 @@
+"""Where in a sheet its law is refuted: displacements miss there what grows with the test.
+
+Noise differs from step to step, and an error of the reference picture is the same in all steps. What grows with the
+deformation is neither. So residuals are weighed by the deformation less its mean over the steps, which no error of the
+reference survives. Their squares are averaged around each cell. How large chance makes the largest of these means
+anywhere in a sheet follows from their distribution.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse
+import scipy.stats
+import xarray as xr
+from jaxtyping import Bool, Float
+
+from hypernode.data.measurement import measured_displacement, mesh_of, noise_of_steps
+from hypernode.evaluation.limits import limited, not_judged, percent
+from hypernode.evaluation.thresholds import Settings
+from hypernode.fem.mesh import Mesh
+from hypernode.verdict import Criterion
+
+#: Standard deviations that chance does not reach anywhere in a sheet but once in 700 sheets.
+NEVER = 3.0
+#: Steps from which growth is told from a reference error.
+FEWEST = 3
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """What grows with the test around every cell.
+
+    Attributes:
+        size: at the largest deformation, over the noise of a displacement; zero where chance makes as much.
+        cells: where it is more than chance.
+        deformation: what it stands for, over the largest deformation of the test.
+    """
+
+    size: Float[np.ndarray, " cell"]
+    cells: Bool[np.ndarray, " cell"]
+    deformation: Float[np.ndarray, " cell"]
+
+
+def growth(
+    mesh: Mesh, residual: Float[np.ndarray, "step node 2"], deformation: Float[np.ndarray, " step"]
+) -> tuple[Float[np.ndarray, " cell"], Bool[np.ndarray, " cell"]]:
+    """(what grows around every cell at the largest deformation, over noise; where it is more than chance).
+
+    Args:
+        residual: over noise, NaN where a point is lost.
+        deformation: of each step.
+    """
+    t = deformation / deformation.max()
+    known = np.isfinite(residual).all(axis=0)
+    weights = t - t.mean()
+    power = float(weights @ weights)
+    # Of one number that grows with t, this is its size times the root of the power, and a normal number by chance.
+    projected = np.where(known, np.einsum("s,sni->ni", weights, np.nan_to_num(residual)) / np.sqrt(power), 0.0)
+    around = _around(mesh)
+    count = around @ known.sum(axis=1)
+    mean = np.divide(around @ (projected**2).sum(axis=1), count, out=np.ones(len(count)), where=count > 0)
+    # As if means around cells were independent: they overlap, so that chance does so less often.
+    limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / len(count), np.maximum(count, 1)) / np.maximum(count, 1)
+    return np.sqrt(np.maximum(mean - 1.0, 0.0) / power), (count > 0) & (mean > limit)
+
+
+def _around(mesh: Mesh):
+    """Nodes of a cell and of those that share one with it (cell, node), 1 where they are."""
+    cells, vertices = mesh.cells.shape
+    own = scipy.sparse.csr_matrix(
+        (np.ones(mesh.cells.size), (np.repeat(np.arange(cells), vertices), mesh.cells.ravel())),
+        shape=(cells, len(mesh.nodes)),
+    )
+    around = own @ own.T @ own
+    around.data[:] = 1.0
+    return around
+
+
+def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted | None:
+    """Where the law of a constrained field is refuted; None where no noise or too few steps tell.
+
+    Args:
+        measurement, constrained: opened files.
+    """
+    noise = noise_of_steps(measurement)
+    if constrained is None or len(noise) < FEWEST or not (noise > 0.0).all():
+        return None
+    mesh, F = mesh_of(measurement), np.linalg.norm(measurement["H"].values, axis=(1, 2))
+    residual = (measured_displacement(measurement) - constrained["u"].values) / noise[:, None]
+    if len(np.unique(measurement["load_case"].values)) > 1 or np.ptp(F) == 0.0:
+        return None
+    size, cells = growth(mesh, residual, F)
+    stands_for = size * float(constrained.attrs["noise_deformation"])
+    return Refuted(np.where(cells, size, 0.0), cells, np.where(cells, stands_for, 0.0))
+
+
+def judge_refuted(found: Refuted | None, settings: Settings) -> Criterion:
+    """In how much of the sheet the law is refuted by deformation that counts."""
+    name = "refuted"
+    if found is None:
+        return not_judged(name, "No noise, or fewer than three steps of one load, say where the law fails.")
+    share = float((found.deformation > settings.deformation).mean())
+    words = f"What is missed grows with the test, by more than {percent(settings.deformation)} of the deformation, in"
+    return limited(name, words, share, settings.places, lambda v: f"{percent(v)} of the sheet")

@@ -1,0 +1,91 @@
+"""A law that explains a test as well is not forgotten: what it says of other deformations is part of the doubt."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from hypernode.config.methods import Constrained
+from hypernode.evaluation.doubt import farther_half
+from hypernode.identification.interface_search import of_parts
+from hypernode.identification.open_laws import open_laws, terms_left
+from hypernode.identification.settings import STRATEGY
+from hypernode.identification.volume import of_either, with_area
+from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.loads import make_load
+from hypernode.stages.constrained import OPEN_SAMPLES
+from tests.sheets import SCALE, believed, sheet
+
+NOISE, CELLS, STRETCH = 3e-4, 8, 1.2
+SETTINGS = Constrained(terms=["I1_squared", "fibre"], layers=True, volume="told")
+PULL = make_load("uniaxial_y", [1.07, 1.14, 1.2])
+EQUIBIAXIAL = STRETCH * np.eye(2)
+
+
+def nowhere(X):
+    return np.zeros(len(X))
+
+
+def observed(terms, values=(), load=PULL):
+    """A noisy measurement of one material."""
+    data, _, params = sheet(CELLS, nowhere, load, terms=terms, values=values)
+    noise = np.random.default_rng(7).normal(0.0, NOISE, data["u_measured"].shape)
+    data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE)
+    return data.assign_attrs(mesh="finer", noise_uncertainty=0.05, force_uncertainty=0.01), params[0]
+
+
+def stress(basis, params, F=EQUIBIAXIAL):
+    return np.asarray(basis.stress(jnp.asarray(F)[:, :, None], jnp.asarray(params)[:, None]))[..., 0]
+
+
+def doubt(found, laws):
+    """Root mean square distance of the widest law from the field under equibiaxial stretch, over its stress."""
+    own = stress(found.basis, found.by_parts[:, 0, 0])
+    each = [
+        farther_half(np.array([np.linalg.norm(stress(law.basis, s) - own) for s in law.samples[:, :, 0, 0].T]))
+        for law in laws
+    ]
+    return max(each) / np.linalg.norm(own)
+
+
+def test_fibres_along_one_pull_are_within_two_spreads_equibiaxially():
+    fibres = {"fibre_x": -0.6, "fibre_y": 0.0, "logit_dispersion": -3.0}
+    data, true = observed(("fibre",), tuple(fibres.items()))
+    found = of_parts(data, SETTINGS, "pull", STRATEGY)
+    laws = open_laws(found, SETTINGS, OPEN_SAMPLES, 0)
+    right = stress(ConvexBasis(("fibre",), SCALE), true)
+    own = stress(found.basis, found.by_parts[:, 0, 0])
+    error = np.linalg.norm(own - right) / np.linalg.norm(own)
+    assert error > 0.05, "the pull tells the equibiaxial stress, so that nothing is tested"
+    assert error <= 2.0 * doubt(found, laws)
+
+
+def test_a_law_with_a_volume_is_compared_where_the_test_decides():
+    assert "J" in terms_left(("I1_squared",), SETTINGS)
+    assert "J" not in terms_left(("I1_squared",), SETTINGS.model_copy(update={"volume": "kept"}))
+    assert "I2" not in terms_left(("J",), Constrained(terms=["I1_squared", "I2"]))
+
+
+def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
+    sought = []
+
+    def search(settings):
+        sought.append(settings.terms)
+        return of_parts(data, settings, "pull", STRATEGY)
+
+    data, _ = observed(())
+    assert "J" not in of_either(SETTINGS, search).basis.terms
+    assert sought == [SETTINGS.terms]
+
+
+def test_a_sheet_that_changes_its_volume_is_found_to():
+    area = {"log1p_J_area": np.log1p(0.8), "log1p_J_volume": np.log1p(0.2)}
+    data, true = observed(("J",), tuple(area.items()), make_load("biaxial", [[1.06, 1.03], [1.12, 1.06], [1.2, 1.1]]))
+    found = of_either(SETTINGS, lambda settings: of_parts(data, settings, "sheet", STRATEGY))
+    assert "J" in found.basis.terms
+    right = stress(found.basis, true)
+    assert np.linalg.norm(stress(found.basis, found.by_parts[:, 0, 0]) - right) < 0.03 * np.linalg.norm(right)
+
+
+@pytest.mark.parametrize(("volume", "terms"), [("kept", ["I1_squared"]), ("told", ["J"])])
+def test_nothing_is_compared_that_is_not_asked_for(volume, terms):
+    assert with_area(Constrained(terms=terms, volume=volume)) is None
