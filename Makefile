@@ -13,7 +13,7 @@ unexport PYTHONPATH
 endif
 
 .PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
-    slurm wheel pythons docs doctest release report bench next-test strangers family challenge peers clean
+    slurm wheel pythons docs doctest release report bench profile next-test strangers family challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
@@ -177,6 +177,10 @@ bench: $(VENV)/run
 # BENCH="--cells 25 50 100 200" for real grids, BENCH="--against COMMIT" beside another commit.
 cost: $(VENV)/run
 	$(BIN)/python benchmarks/cost.py $(BENCH)
+
+# Processor seconds of the run in results/ by rule and by what its jobs did, beside its records: seconds.
+profile: $(VENV)/run
+	$(BIN)/python benchmarks/run_profile.py results
 
 # Training and the forward problem on a device of CUDA against the CPU, after pip install -r requirements/gpu.txt.
 gpu: $(VENV)/run

@@ -1,11 +1,14 @@
 """Jobs side by side declare no more memory than there is, and nothing fails in a Snakemake of another make."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 from hypernode.pipeline.scheduling import SHARE, lift_rate_limit, limit_memory, machine_memory
 
+ROOT = Path(__file__).resolve().parents[2]
 #: Of six jobs that each declare two fifths of the memory, two fit side by side; one declares ten times all there is.
 SNAKEFILE = """
 from hypernode.pipeline.scheduling import lift_rate_limit, limit_memory, machine_memory
@@ -75,3 +78,14 @@ def test_submissions_to_a_cluster_stay_limited():
         scheduler = SimpleNamespace(job_rate_limiter="a limit")
         lift_rate_limit(SimpleNamespace(scheduler=scheduler, local_exec=local))
         assert scheduler.job_rate_limiter == left
+
+
+def test_what_others_wait_for_begins_first():
+    text = "\n".join(path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk")))
+    found = {
+        rule: int(number) for rule, number in re.findall(r"^rule (\w+):\n(?:.+\n)*?    priority: (\d+)", text, re.M)
+    }
+    order = (("true_material", "forward", "measurement", "import_dic"), ("constrained",), ("pretraining", "training"))
+    sheets, fields, networks = ({found[rule] for rule in rules} for rules in order)
+    assert min(sheets) > max(fields) > max(networks) > 0
+    assert not {"evaluation", "figure", "table"} & set(found)

@@ -8,6 +8,7 @@ rule true_material:
         "results/logs/{case}/true_material.log",
     benchmark:
         "results/benchmarks/{case}/true_material.jsonl"
+    priority: 3
     group:
         "sheet"
     threads: 1
@@ -46,6 +47,7 @@ rule forward:
         "results/logs/{case}/forward.log",
     benchmark:
         "results/benchmarks/{case}/forward.jsonl"
+    priority: 3
     group:
         "sheet"
     threads: 1

@@ -8,6 +8,7 @@ rule constrained:
         "results/logs/{case}/{method}/constrained.log",
     benchmark:
         "results/benchmarks/{case}/{method}/constrained.jsonl"
+    priority: 2
     group:
         "field"
     threads: 1
@@ -35,6 +36,7 @@ rule gradient:
         "results/logs/{case}/{method}/gradient.log",
     benchmark:
         "results/benchmarks/{case}/{method}/gradient.jsonl"
+    priority: 1
     group:
         "field"
     threads: 1
@@ -58,6 +60,7 @@ rule interpolant:
         "results/logs/{case}/{method}/interpolant.log",
     benchmark:
         "results/benchmarks/{case}/{method}/interpolant.jsonl"
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "interpolant"),

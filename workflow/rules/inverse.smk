@@ -15,6 +15,7 @@ rule homogenised:
         "results/logs/{case}/{method}/homogenised.log",
     benchmark:
         "results/benchmarks/{case}/{method}/homogenised.jsonl"
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "homogenised"),
@@ -41,6 +42,7 @@ rule initialisation:
         "results/logs/{case}/{method}/initialisation.log",
     benchmark:
         "results/benchmarks/{case}/{method}/initialisation.jsonl"
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "initialisation"),
@@ -66,6 +68,7 @@ rule pretraining:
         "results/benchmarks/{case}/{method}/pretraining.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, (*FULLY_TRAINED, *POLISHED))) or "none",
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "pretraining"),
@@ -100,6 +103,7 @@ rule polish:
         "results/benchmarks/{case}/{method}/polish.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, POLISHED)) or "none",
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "polish"),
@@ -124,6 +128,7 @@ rule training:
         "results/benchmarks/{case}/{method}/training.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, FULLY_TRAINED)) or "none",
+    priority: 1
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "training"),
@@ -152,6 +157,7 @@ rule baseline:
         "results/benchmarks/{case}/{method}/baseline.jsonl"
     wildcard_constraints:
         method="|".join(map(re.escape, BASELINES)) or "none",
+    priority: 1
     group:
         "field"
     threads: 1

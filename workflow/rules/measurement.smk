@@ -10,6 +10,7 @@ rule measurement:
         "results/benchmarks/{case}/measurement.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, MEASURED)) or "none",
+    priority: 3
     group:
         "sheet"
     threads: 1
@@ -37,6 +38,7 @@ rule import_dic:
         "results/benchmarks/{case}/import_dic.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, REAL)) or "none",
+    priority: 3
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "import_dic"),

@@ -8,6 +8,7 @@ rule speckle:
         "results/benchmarks/{case}/speckle.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, PHOTOGRAPHED)) or "none",
+    priority: 3
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "speckle"),
@@ -32,6 +33,7 @@ rule photograph:
         "results/benchmarks/{case}/photograph.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, PHOTOGRAPHED)) or "none",
+    priority: 3
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "photograph"),
@@ -55,6 +57,7 @@ rule correlate:
         "results/benchmarks/{case}/correlate.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, PHOTOGRAPHED)) or "none",
+    priority: 3
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "correlate"),
@@ -79,6 +82,7 @@ rule photographed:
         "results/benchmarks/{case}/photographed.jsonl"
     wildcard_constraints:
         case="|".join(map(re.escape, PHOTOGRAPHED)) or "none",
+    priority: 3
     threads: 1
     resources:
         mem_mb=memory(CONFIG, "photographed"),

@@ -14,6 +14,7 @@ from hypernode.errors import ExpectedError
 from hypernode.pipeline.compiler import DOUBLE_PRECISION, require_platform, set_up_compiler
 from hypernode.pipeline.cores import claimed_cores
 from hypernode.pipeline.liveness import shown_alive
+from hypernode.pipeline.phases import Phases
 from hypernode.storage.provenance import describe
 
 _PR_SET_PDEATHSIG = 1
@@ -67,12 +68,15 @@ def job(snakemake):
     # Open until the process ends: the traceback of an error that nobody expected goes there as well.
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
+    phases = Phases().listen()
     params, run = snakemake.params, dict(snakemake.wildcards)
     where = ", ".join(f"{key} {value}" for key, value in run.items())
     with claimed_cores(snakemake.threads), shown_alive(f"{snakemake.rule} ({where})"):
         try:
             require_platform(platform)
             yield describe(snakemake.rule, run, params.get("settings", {}), params.code)
+            with contextlib.suppress(OSError):
+                print(phases.line(), file=log)
         except (ExpectedError, ValueError, OSError) as error:
             with contextlib.suppress(OSError):
                 traceback.print_exc(file=log)
