@@ -140,9 +140,8 @@ def import_forces(
     time = first.times(chosen) if first.time is not None else np.full(len(chosen), np.nan)
     force = {part: pull.forces(chosen) for part, pull in pulls.items()}
     path = heard.record.path
-    return Forces(
-        path=path, pulls=pulls, time=time, force=force, pairing=pairing, findings=_reported(test.folder, path, findings)
-    )
+    said = _reported(test.folder, path, findings)
+    return Forces(path=path, pulls=pulls, time=time, force=force, pairing=pairing, findings=said)
 
 
 def _record(test: SpecimenTest, series: Series) -> ForceRecord:
