@@ -73,8 +73,9 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
         return of_parts(data, settings, "pull", STRATEGY)
 
     data, _ = observed(())
-    assert "J" not in of_either(SETTINGS, search).basis.terms
-    assert sought == [SETTINGS.terms]
+    found = of_either(SETTINGS, search)
+    assert "J" not in found.basis.terms and sought == [SETTINGS.terms]
+    assert not any("volume" in row["move"] for row in found.trace.rows(found.trial))
 
 
 def test_a_sheet_that_changes_its_volume_is_found_to():

@@ -27,6 +27,7 @@ from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import Beside, Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import NEAR, Trials, largest_and_half
+from hypernode.identification.volume import of_likelier_volume
 from hypernode.progress import say
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
@@ -99,6 +100,7 @@ class Search:
         if kept is None:
             return None
         kept = parting.merged(self._with_law(kept))
+        kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         finer = self._finer(kept)
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
             cells = self._whole_cells(kept, finer)

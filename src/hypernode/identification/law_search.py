@@ -20,6 +20,9 @@ TERMS_TRIED = 2
 #: Terms that say more of another one.
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
 
+#: Terms that contain the thickness, which J leaves open.
+OF_THICKNESS = ("I2", "ogden")
+
 
 class LawSearch:
     """The search for terms on one test.
@@ -107,7 +110,10 @@ class LawSearch:
         """Terms that may join: those of the configuration which say nothing of a term that is not there."""
         settings = self._trials.settings
         every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
-        return [term for term in every if term not in kept.terms and BELONGS.get(term, term) in (*kept.terms, term)]
+        # One test hardly tells fibres and a volume that changes from one another.
+        told = (*OF_THICKNESS, "fibre") if "J" in kept.terms and "J" not in settings.terms else ()
+        known = (*kept.terms, *told)
+        return [term for term in every if term not in known and BELONGS.get(term, term) in (*kept.terms, term)]
 
 
 def turned(materials: np.ndarray, problem: FieldProblem, term: str) -> list[np.ndarray]:

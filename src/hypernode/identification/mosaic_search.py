@@ -78,7 +78,7 @@ class MosaicSearch:
             return None
         found = self._trials.descend(because, kept, kept.problem, field, kept.u, self._steps, FAR, kept.fit.window)
         far = NEARLY if kept.problem.noisy else NOT_MADE_OF_FEW
-        if found is None or found.fit.misfit > far * max(kept.fit.misfit, 1.0):
+        if found is None or found.level > far * max(kept.level, 1.0):
             return found
         return self._settled(found)
 

@@ -13,12 +13,11 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import BELONGS, translated, turned
+from hypernode.identification.law_search import BELONGS, OF_THICKNESS, translated, turned
 from hypernode.identification.problem import FieldProblem, with_law
 from hypernode.identification.projected_newton import bounded_step
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import largest_and_half
-from hypernode.identification.volume import OF_THICKNESS
 from hypernode.mechanics.convex_basis import PARAMETERS, ConvexBasis
 
 #: Steps of materials with one term more: they begin near the kept ones.

@@ -1,20 +1,20 @@
 """Whether a sheet keeps its volume: the test decides between laws that keep it and laws with J.
 
 A law of I1 alone that keeps the volume is the plainest, and stands where it explains the test. Where it leaves more
-than noise, or has terms that may stand for a volume that changes, the search begins again. It goes through laws whose
-area has an energy of its own, and the likelier field is kept. These have no fibres: one test hardly tells both.
+than noise, or has terms that may stand for a volume that changes, the same materials are tried with another law. Its
+area has an energy of its own, and the likelier law is kept. It has no fibres: one test hardly tells both. Where no few
+materials of a kept volume explain the test, the search begins again with such laws.
 """
 
 from collections.abc import Callable
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.candidate import BY_CHANCE, EVIDENCE
+from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
-
-#: Terms that contain the thickness, which J leaves open.
-OF_THICKNESS = ("I2", "ogden")
+from hypernode.identification.law_search import OF_THICKNESS, LawSearch, translated
+from hypernode.identification.trials import NEAR, Trials
 
 
 def with_area(settings: Constrained) -> Constrained | None:
@@ -26,50 +26,61 @@ def with_area(settings: Constrained) -> Constrained | None:
     return settings.model_copy(update={"terms": ["J"], "isotropic_terms": [], "further_terms": further})
 
 
-def may_stand_for_area(found: InterfaceEstimate) -> bool:
+def may_stand_for_area(kept: Candidate) -> bool:
     """Whether a law that keeps the volume may do so in the place of one that does not.
 
     It does where it leaves more than noise, or has terms that change the stress across a pull.
     """
-    return bool(set(found.basis.terms) & {*OF_THICKNESS, "fibre"}) or leaves_more_than_noise(found)
+    return bool(set(kept.terms) & {*OF_THICKNESS, "fibre"}) or kept.leaves_more_than_noise
 
 
-def leaves_more_than_noise(found: InterfaceEstimate) -> bool:
-    """Whether displacements leave more than what is believed of their noise, by more than chance."""
-    known = found.problem.observations.noise_uncertainty
-    limit = 1.0 + BY_CHANCE * max(known, (2.0 * found.left.independent) ** -0.5)
-    return found.left.level / found.problem.observations.scatter > limit
+def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
+    """A candidate, or the same materials of a law with J where that is likelier.
+
+    Args:
+        steps: load steps that count.
+        finds_window: whether the side of the window is sought.
+    """
+    if with_area(trials.settings) is None or kept.leaves_nothing or not may_stand_for_area(kept):
+        return kept
+    problem, field = trials.problem(["J"], kept.subcells), kept.fit.field
+    begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
+    materials = translated(field.materials, kept.problem, problem, begin)
+    found = trials.descend(
+        "a volume that changes",
+        kept,
+        problem,
+        field.with_law(materials),
+        kept.u,
+        steps,
+        NEAR,
+        kept.fit.window,
+        finds_window,
+    )
+    if found is None:
+        return kept
+    found = LawSearch(trials, steps, finds_window).end(found)
+    gain = found.gain_over(kept)
+    best, passed = (found, kept) if gain > EVIDENCE else (kept, found)
+    trials.passed_over(passed, f"scores {abs(gain):+.1f} against a law that says otherwise of the volume")
+    return best
 
 
 def of_either(
     settings: Constrained, search: Callable[[Constrained], InterfaceEstimate | None]
 ) -> InterfaceEstimate | None:
-    """The field of few materials whose law keeps the volume, or the one that does not where it is likelier.
+    """The field of few materials that a search finds, with laws that change the volume where others explain nothing.
 
     Args:
         search: what finds a field of few materials; None where they do not explain the test.
     """
     kept, other = search(settings), with_area(settings)
-    if other is None or (kept is not None and not may_stand_for_area(kept)):
-        return kept
-    changes = search(other)
-    if kept is None or changes is None:
-        return changes or kept
-    # Of residuals that share as much as those of the one that shares more.
-    independent = min(kept.left.independent, changes.left.independent)
-    gain = _total(kept, independent) - _total(changes, independent)
-    best, passed = (changes, kept) if gain > EVIDENCE else (kept, changes)
-    return best.instead_of(passed, because=f"scores {abs(gain):+.1f} against a law that says otherwise of the volume")
-
-
-def _total(found: InterfaceEstimate, independent: float) -> float:
-    score = found.score
-    return score.total + (independent / found.left.independent - 1.0) * score.displacements
+    return search(other) if kept is None and other is not None else kept
 
 
 def of_cells_of_either(settings: Constrained, search: Callable[[Constrained], Estimate]) -> Estimate:
-    """A field of cells whose law keeps the volume, or the likelier one of the area's energy alone."""
+    """A field of cells whose law keeps the volume; where it does not explain the test, the likelier one with J."""
     kept, other = search(settings), with_area(settings)
-    if other is None or not settings.layers:
+    if other is None or not settings.layers or not kept.underfitted:
         return kept
     return likeliest(kept, search(other.model_copy(update={"further_terms": []})))
