@@ -15,7 +15,7 @@ from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
 from hypernode.data.measurement import window_uncertainty
-from hypernode.identification.candidate import MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
+from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
@@ -91,6 +91,10 @@ class Search:
             return None
         kept, parting = one, Parting(trials, self._steps, self._finds)
         if one.leaves_more_than_noise:
+            alone = self._finer(one)
+            if not alone.leaves_more_than_noise:
+                alone = self._of_one(alone)
+                return alone, alone
             beside = parting.beside(one)
             # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
             mosaic = None if problem.noisy else MosaicSearch(trials, self._steps).end(one, beside)
@@ -102,6 +106,13 @@ class Search:
         kept = parting.merged(self._with_law(kept))
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         finer = self._finer(kept)
+        if len(kept.fit.field.gradual):
+            alone = self._of_one(alone)
+            gain = alone.gain_over(finer)
+            if gain > -EVIDENCE:
+                trials.passed_over(finer, f"scores {gain:+.1f} against one material on finer elements")
+                return alone, alone
+            trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
             cells = self._whole_cells(kept, finer)
             if cells is finer or cells.fit.misfit > NOT_MADE_OF_FEW * max(parting.by_cell, 1.0):
@@ -118,6 +129,10 @@ class Search:
             kept = parting.merged(self._with_law(more))
             finer = self._finer(kept)
         return kept, finer
+
+    def _of_one(self, alone: Candidate) -> Candidate:
+        """One material with the likeliest law and volume."""
+        return of_likelier_volume(self._trials, self._with_law(alone), self._steps, self._finds)
 
     def _parted(self, one: Candidate, beside: Beside, parting: Parting) -> Candidate | None:
         """Materials from a factor in every cell, or from a factor and fibres.
@@ -179,21 +194,21 @@ class Search:
 
     def _finer(self, coarse: Candidate) -> Candidate:
         """The same on finer finite elements."""
-        if coarse.fit.field.count == 1:
+        trials, window, of_lines = self._trials, coarse.fit.window, coarse.fit.field.count > 1
+        if not of_lines and not coarse.leaves_more_than_noise:
             return coarse
-        trials, window = self._trials, coarse.fit.window
-        self._finds = self._finds and window > NO_WINDOW
+        if of_lines:
+            self._finds = self._finds and window > NO_WINDOW
+        finds = self._finds and of_lines
         problem = trials.problem(coarse.terms, FINER)
         field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, coarse.fit.field.lines))
         u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}
-        move, window = "finer elements", window if self._finds else None
-        found = trials.descend(move, coarse, problem, field, u, self._steps, NEAR, window, self._finds)
+        move, window = "finer elements", window if finds else None
+        found = trials.descend(move, coarse, problem, field, u, self._steps, NEAR, window, finds)
         if found is None:
             return coarse
-        if found.misses_deformation:
+        if of_lines and found.misses_deformation:
             closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=CLOSER))
             move, window = "closer points of lines", found.fit.window
-            found = (
-                trials.descend(move, found, problem, closer, found.u, self._steps, NEAR, window, self._finds) or found
-            )
+            found = trials.descend(move, found, problem, closer, found.u, self._steps, NEAR, window, finds) or found
         return found

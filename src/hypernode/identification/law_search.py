@@ -146,9 +146,14 @@ def translated(before: np.ndarray, of: FieldProblem, problem: FieldProblem, begi
     return materials
 
 
-def stiffness_of(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
-    """Logarithm of the stress of each material under the mean deformation of the sheet."""
+def stress_of(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
+    """Stress of each material under the mean deformation of the sheet, over its size (material, component)."""
     F, scale = problem.observations.mean_F, problem.observations.loading.scale
     count, steps = len(materials), F.shape[2]
     P, _ = Points(problem.basis).stress(np.tile(F, count), np.repeat(materials.T, steps, axis=1))
-    return 0.5 * np.log(((P.reshape(2, 2, count, steps) / scale) ** 2).sum(axis=(0, 1, 3)))
+    return np.moveaxis(P.reshape(2, 2, count, steps) / scale, 2, 0).reshape(count, -1)
+
+
+def stiffness_of(problem: FieldProblem, materials: np.ndarray) -> np.ndarray:
+    """Logarithm of the stress of each material under the mean deformation of the sheet."""
+    return 0.5 * np.log((stress_of(problem, materials) ** 2).sum(axis=1))

@@ -12,7 +12,7 @@ import numpy as np
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import stiffness_of, turned
+from hypernode.identification.law_search import stiffness_of, stress_of, turned
 from hypernode.identification.partition import parts
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
@@ -27,7 +27,7 @@ MOST = 4
 WINDOW = 1.5
 #: What one material leaves of a load step, over noise, from which the step tells where materials are.
 FAR_FROM_NOISE = 5.0
-#: Difference of the logarithms of stiffness up to which two materials are tried as one.
+#: Difference of the stresses over their size up to which two materials are tried as one.
 ALIKE = 0.15
 
 
@@ -202,11 +202,16 @@ class Parting:
         return kept
 
     def merged(self, kept: Candidate) -> Candidate:
-        """Materials that are as stiff as one another as one, as long as two do not explain more."""
+        """Materials whose stress is about the same as one, as long as two do not explain more."""
         trials = self._trials
         while kept.fit.field.count > 2:
-            level = stiffness_of(kept.problem, kept.fit.field.materials)
-            apart, one, other = min((abs(level[i] - level[j]), i, j) for i in range(len(level)) for j in range(i))
+            P = stress_of(kept.problem, kept.fit.field.materials)
+            size = np.linalg.norm(P, axis=1)
+            apart, one, other = min(
+                (np.linalg.norm(P[i] - P[j]) / np.sqrt(size[i] * size[j]), i, j)
+                for i in range(len(P))
+                for j in range(i)
+            )
             if apart > ALIKE:
                 break
             field, window = kept.fit.field.merged(one, other), kept.fit.window
