@@ -9,7 +9,7 @@ materials of a kept volume explain the test, the search begins again with such l
 from collections.abc import Callable
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
@@ -59,7 +59,8 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     )
     if found is None:
         return kept
-    found = LawSearch(trials, steps, finds_window).end(found)
+    if found.level <= NOT_MADE_OF_FEW * max(kept.level, 1.0):
+        found = LawSearch(trials, steps, finds_window).end(found)
     gain = found.gain_over(kept)
     best, passed = (found, kept) if gain > EVIDENCE else (kept, found)
     trials.passed_over(passed, f"scores {abs(gain):+.1f} against a law that says otherwise of the volume")
