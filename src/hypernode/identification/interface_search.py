@@ -24,7 +24,7 @@ from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
-from hypernode.identification.parting import Beside, Parting
+from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import NEAR, Trials, largest_and_half
 from hypernode.identification.volume import of_likelier_volume
@@ -91,7 +91,8 @@ class Search:
             return None
         kept, parting = one, Parting(trials, self._steps, self._finds)
         if one.leaves_more_than_noise:
-            alone = self._finer(one)
+            # Beside clamps coarse elements miss more than a good camera does, but not far more.
+            alone = self._finer(one) if one.level < FAR_FROM_NOISE else one
             if not alone.leaves_more_than_noise:
                 alone = self._of_one(alone)
                 return alone, alone
@@ -107,7 +108,7 @@ class Search:
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         finer = self._finer(kept)
         if len(kept.fit.field.gradual):
-            alone = self._of_one(alone)
+            alone = self._of_one(self._finer(one))
             gain = alone.gain_over(finer)
             if gain > -EVIDENCE:
                 trials.passed_over(finer, f"scores {gain:+.1f} against one material on finer elements")
