@@ -64,6 +64,10 @@ class Candidate:
         """Whether most of what displacements leave is no noise."""
         return self.level > MOSTLY_NO_NOISE
 
+    def halves(self, other: "Candidate") -> bool:
+        """Whether it leaves less than half of the squares of another candidate, of which most were no noise."""
+        return other.leaves_mostly_no_noise and self.fit.misfit**2 < 0.5 * other.fit.misfit**2
+
     @property
     def leaves_nothing(self) -> bool:
         """Whether equilibrium is solved no better than it explains displacements, and forces are missed by chance."""

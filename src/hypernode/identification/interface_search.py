@@ -136,20 +136,39 @@ class Search:
         return of_likelier_volume(self._trials, self._with_law(alone), self._steps, self._finds)
 
     def _parted(self, one: Candidate, beside: Beside, parting: Parting) -> Candidate | None:
-        """Materials from a factor in every cell, or from a factor and fibres.
+        """Materials from the largest load steps, or from the smallest where law and direction matter in the largest.
 
-        Where a factor leaves more than noise of the largest load steps, law and direction matter there. The smallest
-        steps tell where materials are whichever law they have. Fibres are taken where they explain half of the squares
-        that a factor leaves of these steps.
+        They do where a factor in every cell leaves more than noise of the largest steps.
         """
         if beside.found is None or beside.found.misfit < MOSTLY_NO_NOISE:
             return parting.parted(one, beside)
-        early = parting.beside(one, early=True)
-        if "fibre" in self._trials.settings.terms:
-            directed = parting.with_direction(one)
-            if directed.found is not None and (early.found is None or directed.found.halves(early.found)):
-                return parting.parted(one, directed)
-        return parting.parted(one, beside if early.found is None else early)
+        return self._from_smallest(one, parting.smallest(one)) or parting.parted(one, beside)
+
+    def _from_smallest(self, one: Candidate, steps: list[int]) -> Candidate | None:
+        """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
+
+        Fibres are taken where they explain half of the squares that a factor in every cell leaves of these steps.
+        """
+        trials, parting = self._trials, Parting(self._trials, steps, self._finds, small=True)
+        move = "one material, smallest load steps"
+        alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
+        if alone is None:
+            return None
+        beside = parting.beside(alone)
+        if "fibre" in trials.settings.terms:
+            directed = parting.with_direction(alone)
+            if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
+                beside = directed
+        kept = parting.parted(alone, beside)
+        if kept is None or kept is alone:
+            return None
+        loading, u = one.problem.observations.loading, dict(kept.u)
+        for k in set(self._steps) - set(steps):
+            like = next(step for step in steps if loading.load_case[step] == loading.load_case[k])
+            # What materials change grows about as the load does.
+            u[k] = one.u[k] + (kept.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
+        move, window = "the same, largest load steps", kept.fit.window
+        return trials.descend(move, kept, kept.problem, kept.fit.field, u, self._steps, NEAR, window, move_lines=False)
 
     def _from_coarser_grid(self) -> tuple[Candidate, Candidate] | None:
         """What every second line of a grid of many cells tells, on the whole grid."""

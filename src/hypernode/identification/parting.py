@@ -62,36 +62,29 @@ class Parting:
     Args:
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
+        small: whether steps are small, so that what is left says nothing of the law.
     """
 
-    def __init__(self, trials: Trials, steps: list[int], finds_window: bool):
-        self._trials, self._steps, self._finds = trials, steps, finds_window
+    def __init__(self, trials: Trials, steps: list[int], finds_window: bool, small: bool = False):
+        self._trials, self._steps, self._finds, self._small = trials, steps, finds_window, small
         #: What a factor in every cell leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
 
-    def beside(self, begun: Candidate, early: bool = False) -> Beside:
+    def beside(self, begun: Candidate) -> Beside:
         """The factor in every cell that explains more than a candidate, on top of its materials.
 
         The materials of the homogeneous fit take the place of one that was fitted to the whole sheet.
-
-        Args:
-            early: whether the smallest load steps tell it that noise allows, not the largest ones.
         """
         plain = begun.problem.homogeneous.params[None]
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
         problem = begun.problem
-        steps = self._smallest(problem, known, begun.u) if early else self._largest(problem)
-        found = self._by_cell(begun, steps, problem, known, [0], np.zeros((1, 1)))
-        if found.found is not None and not early:
+        found = self._by_cell(begun, problem, known, [0], np.zeros((1, 1)))
+        if found.found is not None:
             self.by_cell = min(self.by_cell, found.found.misfit)
         return found
 
     def with_direction(self, one: Candidate) -> Beside:
-        """A factor and fibres in every cell, on top of one homogeneous material.
-
-        They are told from a load step as small as noise allows: the smaller a deformation is, the less it matters
-        how materials stiffen.
-        """
+        """A factor and fibres in every cell, on top of one homogeneous material."""
         problem = self._trials.problem([*one.terms, "fibre"])
         columns = [problem.basis.names.index(name) for name in ("log_level", *FIBRE_VECTOR)]
         plain = problem.homogeneous.params.copy()
@@ -100,29 +93,34 @@ class Parting:
         known = one.fit.field.with_law(plain[None])
         directions = [begun[0, columns[1:]] for begun in turned(problem.basis.start[None], problem, "fibre")]
         starts = np.c_[np.zeros(len(directions)), directions]
-        return self._by_cell(one, self._smallest(problem, known, one.u), problem, known, columns, starts)
+        return self._by_cell(one, problem, known, columns, starts)
 
     def _largest(self, problem: FieldProblem) -> list[int]:
         """The largest step of every load case, of those that count."""
         loading = problem.observations.loading
-        return [k for k in self._steps if loading.t[k] == loading.t[loading.load_case == loading.load_case[k]].max()]
+        cases = {loading.load_case[k] for k in self._steps}
+        of_case = ([k for k in self._steps if loading.load_case[k] == case] for case in sorted(cases))
+        return [max(steps, key=lambda k: loading.t[k]) for steps in of_case]
 
-    def _smallest(self, problem: FieldProblem, known: Interfaces, u) -> list[int]:
-        """The smallest step of every load case of which one material leaves far more than noise, or the largest."""
-        loading, found = problem.observations.loading, []
+    def smallest(self, one: Candidate) -> list[int]:
+        """The smallest step of every load case of which one material leaves far more than noise, or the largest.
+
+        The smaller a deformation is, the less it matters how materials stiffen.
+        """
+        problem, loading, found = one.problem, one.problem.observations.loading, []
         for largest in self._largest(problem):
             own = np.flatnonzero(loading.load_case == loading.load_case[largest])
             for step in own[np.argsort(loading.t[own], kind="stable")]:
                 test = SeenTest(problem, [int(step)], WINDOW if self._finds else None)
-                states = test.states(known, [u[int(step)]])
+                states = test.states(one.fit.field, [one.u[int(step)]])
                 if step == largest or (states is not None and test.left(states) > FAR_FROM_NOISE):
                     found.append(int(step))
                     break
         return found
 
-    def _by_cell(self, begun: Candidate, steps, problem: FieldProblem, known: Interfaces, columns, starts) -> Beside:
-        """Numbers of every cell that explain steps of a test."""
-        trials = self._trials
+    def _by_cell(self, begun: Candidate, problem: FieldProblem, known: Interfaces, columns, starts) -> Beside:
+        """Numbers of every cell that explain the largest steps of a test."""
+        trials, steps = self._trials, self._largest(problem)
         test = SeenTest(problem, steps, begun.fit.window if self._finds else None)
         descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
         found = descent.end([begun.u[k] for k in steps], starts)
@@ -157,8 +155,9 @@ class Parting:
             if found is None:
                 continue
             gain = found.gain_over(kept)
-            if gain > EVIDENCE:
-                trials.passed_over(kept, f"scores {gain:+.1f} against {count} materials")
+            if gain > EVIDENCE or (self._small and found.halves(kept)):
+                why = f"scores {gain:+.1f} against" if gain > EVIDENCE else "leaves twice the squares of"
+                trials.passed_over(kept, f"{why} {count} materials")
                 kept = found
             else:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")

@@ -62,8 +62,9 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     if found.level <= NOT_MADE_OF_FEW * max(kept.level, 1.0):
         found = LawSearch(trials, steps, finds_window).end(found)
     gain = found.gain_over(kept)
-    best, passed = (found, kept) if gain > EVIDENCE else (kept, found)
-    trials.passed_over(passed, f"scores {abs(gain):+.1f} against a law that says otherwise of the volume")
+    best, passed = (found, kept) if gain > EVIDENCE and not kept.halves(found) else (kept, found)
+    why = f"scores {abs(gain):+.1f} against" if (gain > 0.0) == (best is found) else "leaves twice the squares of"
+    trials.passed_over(passed, f"{why} a law that says otherwise of the volume")
     return best
 
 
