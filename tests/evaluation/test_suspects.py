@@ -9,12 +9,14 @@ from hypernode.evaluation.residual_patterns import pattern_of
 from hypernode.evaluation.suspects import (
     FAINT,
     Evidence,
+    _lines,
     displacement_suspects,
     forces_suspects,
     level_suspects,
     slope_suspects,
     with_suspects,
 )
+from hypernode.fem.mesh import rectilinear
 from hypernode.verdict import Criterion, Level, Suspect, Verdict
 from tests.evaluation.files import square_mesh
 
@@ -142,3 +144,10 @@ def test_suspects_stand_in_the_file_of_a_verdict():
     told = Verdict(verdict(forces=Level.FAILED).criteria, (Suspect("law", 0.8, "It grows."),))
     assert Verdict.of(told.stored()) == told
     assert told.causes == ["Suspect: law. It grows."]
+
+
+def test_lines_are_between_both_sides_of_the_shape_where_no_phases_are_told():
+    mesh = rectilinear(np.arange(5.0), np.arange(3.0))
+    shape = (mesh.centres[:, 0] > 2.0).astype(int)
+    near = _lines(mesh, {}, {"shape": shape})
+    assert near[np.abs(mesh.nodes[:, 0] - 2.0) <= 1.0].all() and not near[np.abs(mesh.nodes[:, 0] - 2.0) > 1.0].any()

@@ -89,7 +89,8 @@ def _lines(mesh, constrained, variables):
     """Nodes beside a line between materials."""
     if "interface_distance" in constrained:
         return (np.abs(constrained["interface_distance"].values) < NEAR_LINE).any(axis=0)
-    pairs, phase = mesh.touching(), np.asarray(variables["phase_found"])
+    # Without samples no phases are told, and both sides of the shape stand for them.
+    pairs, phase = mesh.touching(), np.asarray(variables["phase_found" if "phase_found" in variables else "shape"])
     cells = np.unique(pairs[phase[pairs[:, 0]] != phase[pairs[:, 1]]])
     near = np.zeros(len(mesh.nodes), bool)
     near[mesh.cells[cells].ravel()] = True
