@@ -49,6 +49,11 @@ def test_a_folder_can_be_imported_and_shows_its_load(kind, tmp_path, monkeypatch
     assert cli.main(["practice", "pull", "--load", kind]) == 0
     assert "disc at 8, 11 mm" in capsys.readouterr().out
     words = ["--size", f"{SIDE}", f"{SIDE}", f"{practice.THICKNESS}", "--frame-rate", "1"]
+    if kind == "shear":
+        # Displacements of a shear are those of a pull whose components are swapped, so that its owner is asked.
+        assert cli.main(["inspect", "pull", *words]) == 1
+        assert "--load shear says that they are right" in capsys.readouterr().out
+        words += ["--load", "shear"]
     assert cli.main(["inspect", "pull", *words, "--json"]) == 0
     seen = json.loads(capsys.readouterr().out)
     assert seen["load"]["kind"] == kind and not seen["odd"]
