@@ -46,13 +46,9 @@ def test_a_mesh_divided_into_itself_is_itself():
     assert np.array_equal(same.interpolation.toarray(), np.eye(len(mesh.nodes)))
 
 
-def test_the_median_of_neighbours_drops_what_stands_alone_and_keeps_edges_and_corners_of_the_sheet():
-    axis = np.linspace(0.0, 1.0, 7)
-    mesh = rectilinear(axis, axis)
-    halves = np.where(mesh.centres[:, 0] > 0.5, 2.0, 1.0)
-    spoilt = np.stack([halves, 10.0 * halves], axis=1)
-    spoilt[[7, 22]] = 100.0
-    cleaned = mesh.median_of_neighbours(spoilt)
-    np.testing.assert_allclose(cleaned[[7, 22]], np.stack([halves, 10.0 * halves], axis=1)[[7, 22]])
-    far = np.abs(mesh.centres[:, 0] - 0.5) > 0.2
-    np.testing.assert_allclose(cleaned[far, 0], halves[far])
+def test_nodes_around_a_cell_are_its_own_and_those_of_the_cells_that_touch_it():
+    mesh = rectilinear(np.arange(6.0), np.arange(5.0))
+    around = mesh.around().toarray()
+    for cell, centre in enumerate(mesh.centres):
+        near = (np.abs(mesh.nodes - centre) < 1.6).all(axis=1)
+        np.testing.assert_array_equal(around[cell], near.astype(float))

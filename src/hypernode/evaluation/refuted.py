@@ -9,7 +9,6 @@ anywhere in a sheet follows from their distribution.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse
 import scipy.stats
 import xarray as xr
 from jaxtyping import Bool, Float
@@ -56,24 +55,12 @@ def growth(
     power = float(weights @ weights)
     # Of one number that grows with t, this is its size times the root of the power, and a normal number by chance.
     projected = np.where(known, np.einsum("s,sni->ni", weights, np.nan_to_num(residual)) / np.sqrt(power), 0.0)
-    around = _around(mesh)
+    around = mesh.around()
     count = around @ known.sum(axis=1)
     mean = np.divide(around @ (projected**2).sum(axis=1), count, out=np.ones(len(count)), where=count > 0)
     # As if means around cells were independent: they overlap, so that chance does so less often.
     limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / len(count), np.maximum(count, 1)) / np.maximum(count, 1)
     return np.sqrt(np.maximum(mean - 1.0, 0.0) / power), (count > 0) & (mean > limit)
-
-
-def _around(mesh: Mesh):
-    """Nodes of a cell and of those that share one with it (cell, node), 1 where they are."""
-    cells, vertices = mesh.cells.shape
-    own = scipy.sparse.csr_matrix(
-        (np.ones(mesh.cells.size), (np.repeat(np.arange(cells), vertices), mesh.cells.ravel())),
-        shape=(cells, len(mesh.nodes)),
-    )
-    around = own @ own.T @ own
-    around.data[:] = 1.0
-    return around
 
 
 def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted | None:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy.sparse
 from jaxtyping import Bool, Float, Int
 
 #: Edge name -> (axis of the outward normal, its sign).
@@ -113,16 +114,14 @@ class Mesh:
         """The two cells of every pair that shares a side or a corner."""
         return np.concatenate([self.neighbours()[0], self.diagonal_neighbours()[0]])
 
-    def median_of_neighbours(self, values: Float[np.ndarray, "cell ..."]) -> Float[np.ndarray, "cell ..."]:
-        """Medians over the cells, up to eight, that share a side or a corner with each; its own value without any."""
-        pairs = self.touching()
-        cell, other = np.concatenate([pairs, pairs[:, ::-1]])[np.argsort(pairs.T, axis=None, kind="stable")].T
-        place = np.arange(len(cell)) - np.searchsorted(cell, cell)
-        around = np.full((8, *values.shape), np.nan)
-        around[place, cell] = values[other]
-        alone = np.bincount(cell, minlength=len(values)) == 0
-        around[0, alone] = values[alone]
-        return np.nanmedian(around, axis=0)
+    def around(self) -> scipy.sparse.csr_matrix:
+        """Which nodes belong to a cell or to one that shares a node with it (cell, node), 1 where they do."""
+        cells, vertices = self.cells.shape
+        entries = np.ones(self.cells.size), (np.repeat(np.arange(cells), vertices), self.cells.ravel())
+        own = scipy.sparse.csr_matrix(entries, shape=(cells, len(self.nodes)))
+        around = own @ own.T @ own
+        around.data[:] = 1.0
+        return around
 
     def gradient_operator(self) -> Float[np.ndarray, "cell 4 2"]:
         """dN_a/dX_J at the cell centres: multiply nodal values and sum over a to differentiate."""

@@ -92,8 +92,8 @@ class Search:
         kept, parting = one, Parting(trials, self._steps, self._finds)
         if one.leaves_more_than_noise:
             # Beside clamps coarse elements miss more than a good camera does, but not far more.
-            alone = self._finer(one) if one.level < FAR_FROM_NOISE else one
-            if not alone.leaves_more_than_noise:
+            alone = self._finer(one) if one.level < FAR_FROM_NOISE else None
+            if alone is not None and not alone.leaves_more_than_noise:
                 alone = self._of_one(alone)
                 return alone, alone
             beside = parting.beside(one)
@@ -108,7 +108,7 @@ class Search:
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         finer = self._finer(kept)
         if len(kept.fit.field.gradual):
-            alone = self._of_one(self._finer(one))
+            alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
             if gain > -EVIDENCE:
                 trials.passed_over(finer, f"scores {gain:+.1f} against one material on finer elements")

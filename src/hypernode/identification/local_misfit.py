@@ -7,11 +7,9 @@ value that the largest of these means reaches by chance anywhere in the sheet.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse
 import scipy.stats
 from jaxtyping import Bool, Float
 
-from hypernode.fem.mesh import Mesh
 from hypernode.identification.estimate import Estimate
 
 
@@ -28,18 +26,6 @@ class LocalMisfit:
     unexplained: Bool[np.ndarray, " cell"]
 
 
-def around_cells(mesh: Mesh) -> scipy.sparse.csr_matrix:
-    """Which nodes belong to a cell or to one that shares a node with it (cell, node), 1 where they do."""
-    cells, vertices = mesh.cells.shape
-    own = scipy.sparse.csr_matrix(
-        (np.ones(mesh.cells.size), (np.repeat(np.arange(cells), vertices), mesh.cells.ravel())),
-        shape=(cells, len(mesh.nodes)),
-    )
-    around = own @ own.T @ own
-    around.data[:] = 1.0
-    return around
-
-
 def local_misfit(found: Estimate) -> LocalMisfit | None:
     """Misfit of the displacements around every measured cell; None without noise or without observed displacements.
 
@@ -52,7 +38,7 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
     node = np.concatenate([boundary.observed for boundary in observations.boundaries]) // 2
     nodes = len(observations.grid.nodes)
-    around = around_cells(observations.grid)
+    around = observations.grid.around()
     squares = around @ np.bincount(node, residuals**2, nodes)
     count = around @ np.bincount(node, minlength=nodes)
     usual = max(observations.scatter, float(np.sqrt(np.mean(residuals**2))))

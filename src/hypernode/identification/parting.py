@@ -77,8 +77,7 @@ class Parting:
         """
         plain = begun.problem.homogeneous.params[None]
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
-        problem = begun.problem
-        found = self._by_cell(begun, problem, known, [0], np.zeros((1, 1)))
+        found = self._by_cell(begun, begun.problem, known, [0], np.zeros((1, 1)))
         if found.found is not None:
             self.by_cell = min(self.by_cell, found.found.misfit)
         return found
