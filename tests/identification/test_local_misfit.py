@@ -8,7 +8,7 @@ import pytest
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.gauss_newton import descend
-from hypernode.identification.local_misfit import around_cells, local_misfit
+from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.problem import field_problem
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
