@@ -37,7 +37,7 @@ def drawn(seed):
 
 def test_around_a_cell_are_the_nodes_of_the_cells_that_touch_it():
     lines = np.arange(6.0)
-    around = around_cells(rectilinear(lines, lines)).toarray()
+    around = rectilinear(lines, lines).around().toarray()
     assert around.max() == 1.0
     assert sorted(set(around.sum(axis=1))) == [9.0, 12.0, 16.0]
     assert around[12].sum() == 16.0 and around[0].sum() == 9.0
