@@ -34,6 +34,15 @@ COLUMNS = {
 OF_ONE_RULE = {"figures": "figure", "tables": "table"}
 
 
+def rule_of(name: Path) -> str:
+    """The rule of a record, by its path in ``benchmarks/`` without the ending."""
+    if name.parts[0] != "populations":
+        return OF_ONE_RULE.get(name.parts[0], name.name)
+    if len(name.parts) == 3:
+        return "population_batch"
+    return "population_table" if name.name.endswith("_table") else "population"
+
+
 def job_rows(results: Path) -> list[dict]:
     """One row a job: its rule, what it is of, its processor seconds and their parts."""
     rows = []
@@ -48,7 +57,7 @@ def job_rows(results: Path) -> list[dict]:
         whole = sum(told.values()) or 1.0
         rows.append(
             {
-                "rule": OF_ONE_RULE.get(name.parts[0], name.name),
+                "rule": rule_of(name),
                 "of": str(name.parent if name.parts[0] not in OF_ONE_RULE else name.name),
                 "processor": spent,
                 # The clock runs on while others have the core: of the parts, only the shares are told by it.

@@ -73,10 +73,11 @@ def test_a_volume_that_a_pull_does_not_tell_is_doubt_where_the_area_changes():
 
 
 def test_what_cannot_be_told_of_the_volume_is_said():
-    field = constrained(area=1.0)
+    field = constrained(area=1.0).assign_attrs(volume_compared="true")
     assert "cannot be told" in judge_volume(field, of(field)).sentence
-    field = constrained(area=0.0)
+    field = constrained(area=0.0).assign_attrs(volume_compared="true")
     assert judge_volume(field, of(field)).sentence.startswith("The volume is kept")
+    assert judge_volume(constrained(area=0.0), of(field)).level is Level.NOT_JUDGED
 
 
 def test_laws_are_read_as_they_were_written():

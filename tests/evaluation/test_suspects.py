@@ -151,3 +151,11 @@ def test_lines_are_between_both_sides_of_the_shape_where_no_phases_are_told():
     shape = (mesh.centres[:, 0] > 2.0).astype(int)
     near = _lines(mesh, {}, {"shape": shape})
     assert near[np.abs(mesh.nodes[:, 0] - 2.0) <= 1.0].all() and not near[np.abs(mesh.nodes[:, 0] - 2.0) > 1.0].any()
+
+
+def test_a_load_cell_in_order_does_not_acquit_another_one():
+    force = 10.0 * DEFORMATION
+    wrong = Channel(force, np.full(STEPS, 0.1), 1.0 + DEFORMATION, np.arange(STEPS) ** 2.0)
+    right = Channel(force, np.zeros(STEPS), 1.0 + DEFORMATION, np.arange(STEPS) ** 2.0)
+    found = {each.name: each.weight for each in forces_suspects([wrong, right])}
+    assert found[ZERO] > 0.3 and found.get("noise", 0.0) < 0.1

@@ -35,6 +35,7 @@ class Doubt:
 
     Attributes:
         mode, stretch: of the deformation.
+        reach: stretch over the largest of the test, less one.
         inside: whether the test has seen all of it.
         spread: by samples of the kept law.
         by_law: by laws that explain the test as well, by the term that each has more.
@@ -44,6 +45,7 @@ class Doubt:
 
     mode: str
     stretch: float
+    reach: float
     inside: bool
     spread: float
     by_law: Mapping[str, float]
@@ -97,11 +99,14 @@ def doubts(
             stretch = 1.0 + reach * (largest - 1.0)
             state = _state(field, X, mode, stretch, domain)
             best = _read(field, X, state)
-            size = np.sqrt(np.nanmean(np.sum(best**2, axis=0)))
+            size = np.sqrt(np.nanmean(np.sum(best**2, axis=0))) if np.isfinite(best).any() else 0.0
+            if not (np.isfinite(size) and size > 0.0):
+                # No cell has such a state.
+                continue
             rms = {t: farther_half(_away(_read(each, X, state, n), best)) / size for t, (each, n) in others.items()}
             networks = 0.0 if learnt is None else _rms(_read(learnt, X, state, 1), best) / size
             spread = _rms(_read(samples, X, state, count), best) / size
-            found.append(Doubt(mode, stretch, state.inside, spread, rms, networks, level))
+            found.append(Doubt(mode, stretch, reach, state.inside, spread, rms, networks, level))
     return found
 
 
@@ -149,9 +154,9 @@ def farther_half(distances: Float[np.ndarray, " sample"]) -> float:
 def judge_modes(found: list[Doubt]) -> Criterion:
     """What is known of deformations that the test need not make; an answer, whatever it is."""
     name = "other deformations"
-    if not found:
+    of_test = sorted((each for each in found if each.reach == 1.0), key=lambda each: -each.total)
+    if not of_test:
         return not_judged(name, "There are no posterior samples, so that doubt in other deformations is not known.")
-    of_test = sorted((each for each in found if each.stretch == found[1].stretch), key=lambda each: -each.total)
     little = [each for each in of_test if each.total > SAYS_LITTLE]
     told = ", ".join(f"{each.mode} {percent(each.total)}" for each in of_test)
     sentence = f"At the stretch of the test the stress is known to: {told}."
@@ -165,14 +170,14 @@ def judge_modes(found: list[Doubt]) -> Criterion:
 def judge_volume(constrained: xr.Dataset | None, found: list[Doubt]) -> Criterion:
     """Whether the test tells if the sheet keeps its volume."""
     name = "volume"
-    if constrained is None or "open_laws" not in constrained.attrs:
+    if constrained is None or not json.loads(constrained.attrs.get("volume_compared", "false")):
         return not_judged(name, "No law of another volume was compared.")
     if "J" in json.loads(constrained.attrs["basis"])["terms"]:
         return Criterion(
             name, Level.PASSED, "The sheet may change its volume: laws that keep it explain the test worse."
         )
     # At the stretch of the test: beyond it every law is a guess.
-    of_volume = max((each.by_law.get("J", 0.0) for each in found if each.stretch <= found[1].stretch), default=0.0)
+    of_volume = max((each.by_law.get("J", 0.0) for each in found if each.reach <= 1.0), default=0.0)
     if of_volume > SAYS_LITTLE:
         sentence = (
             f"Whether the volume is kept cannot be told: it leaves {percent(of_volume)} of the stress of a mode open."

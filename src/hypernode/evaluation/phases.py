@@ -1,9 +1,9 @@
 """Number of distinguishable phases of a sheet, and whether there is an inclusion at all."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Bool, Float, Int
 
 from hypernode.evaluation.judgement import Judgement
@@ -203,6 +203,6 @@ def score_phases(
     return Judgement({"shape": phases.shape.astype(np.int64), "phase_found": phases.labels}, summary)
 
 
-def phase_numbers(evaluation: xr.Dataset) -> Int[np.ndarray, " cell"]:
+def phase_numbers(evaluation: Mapping) -> Int[np.ndarray, " cell"]:
     """Number of the phase of every cell, from the softest. Without phases: the two sides of the shape."""
-    return evaluation["phase_found" if "phase_found" in evaluation else "shape"].values.astype(int)
+    return np.asarray(evaluation["phase_found" if "phase_found" in evaluation else "shape"]).astype(int)

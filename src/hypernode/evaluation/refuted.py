@@ -70,7 +70,8 @@ def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted 
         measurement, constrained: opened files.
     """
     noise = noise_of_steps(measurement)
-    if constrained is None or len(noise) < FEWEST or not (noise > 0.0).all():
+    # Where noise of points rules, and there alone, a field says where it does not explain them.
+    if constrained is None or "unexplained" not in constrained or len(noise) < FEWEST or not (noise > 0.0).all():
         return None
     mesh, F = mesh_of(measurement), np.linalg.norm(measurement["H"].values, axis=(1, 2))
     residual = (measured_displacement(measurement) - constrained["u"].values) / noise[:, None]

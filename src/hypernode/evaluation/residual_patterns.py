@@ -63,8 +63,11 @@ def pattern_of(
     beyond = max(total - 1.0, 0.0)
     repeats = None if common is None else float(np.mean(common**2) / total)
     squares = np.sum(r**2, axis=(0, 2)) / np.maximum(known.sum(axis=(0, 2)), 1)
-    around = lines.any() and not lines.all()
-    at, off = (float(squares[lines].mean()), float(squares[~lines].mean())) if around else (0.0, 1.0)
+    # Correlation loses points beside lines first: what is lost is no zero.
+    told = known.any(axis=(0, 2))
+    at_lines, elsewhere = squares[lines & told], squares[~lines & told]
+    around = len(at_lines) > 0 and len(elsewhere) > 0
+    at, off = (float(at_lines.mean()), float(elsewhere.mean())) if around else (0.0, 1.0)
     return Pattern(
         beyond,
         repeats,

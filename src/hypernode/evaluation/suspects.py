@@ -14,11 +14,12 @@ from hypernode.data.measurement import measured_displacement, mesh_of, scatter_o
 from hypernode.evaluation.force_courses import LAW, PAIRING, SCATTER, ZERO, amplitude, channels, probabilities
 from hypernode.evaluation.level_budget import LevelBudget
 from hypernode.evaluation.limits import percent
+from hypernode.evaluation.phases import phase_numbers
 from hypernode.evaluation.residual_patterns import AT_LINES, Pattern, pattern_of
 from hypernode.verdict import Criterion, Level, Suspect, Verdict
 
 #: Criteria that each kind of evidence speaks to.
-OF_DISPLACEMENTS = ("convergence", "displacements", "places", "prediction")
+OF_DISPLACEMENTS = ("convergence", "displacements", "places", "refuted", "prediction")
 OF_FORCES = ("forces", "law", "prediction")
 OF_LEVEL = ("level",)
 #: Weight below which a cause is not named, and how many are named at most.
@@ -71,26 +72,27 @@ def evidence_of(
         budget,
         float(summary.get("displacement_misfit", 1.0)),
         summary.get("left_out_displacement_misfit"),
-        _slope(mesh_of(measurement), variables) if summary.get("phases_found", 1) == 1 else None,
+        _slope(mesh_of(measurement), variables) if summary.get("phases_found") == 1 else None,
     )
 
 
 def _pattern(measurement, constrained, variables) -> Pattern | None:
     scatter = scatter_of_steps(measurement)
-    if not (scatter > 0.0).all():
+    if "unexplained" not in constrained or not (scatter > 0.0).all():
         return None
-    mesh = mesh_of(measurement)
+    mesh, case = mesh_of(measurement), measurement["load_case"].values
     residual = (measured_displacement(measurement) - constrained["u"].values) / scatter[:, None]
     deformation = np.linalg.norm(measurement["H"].values, axis=(1, 2))
-    return pattern_of(mesh, residual, deformation, _lines(mesh, constrained, variables))
+    # What a law misses of one load case does not repeat in another: the one that is missed most tells.
+    own = case == max(case, key=lambda each: np.nanmean(residual[case == each] ** 2))
+    return pattern_of(mesh, residual[own], deformation[own], _lines(mesh, constrained, variables))
 
 
 def _lines(mesh, constrained, variables):
     """Nodes beside a line between materials."""
     if "interface_distance" in constrained:
         return (np.abs(constrained["interface_distance"].values) < NEAR_LINE).any(axis=0)
-    # Without samples no phases are told, and both sides of the shape stand for them.
-    pairs, phase = mesh.touching(), np.asarray(variables["phase_found" if "phase_found" in variables else "shape"])
+    pairs, phase = mesh.touching(), phase_numbers(variables)
     cells = np.unique(pairs[phase[pairs[:, 0]] != phase[pairs[:, 1]]])
     near = np.zeros(len(mesh.nodes), bool)
     near[mesh.cells[cells].ravel()] = True
@@ -154,10 +156,12 @@ def forces_suspects(of: Iterable) -> list[Suspect]:
         return []
     names = (ZERO, PAIRING, LAW, SCATTER)
     told = [probabilities(each, FORCE_SCATTER) for each in every]
-    joint = {name: float(np.prod([each.get(name, 0.0) for each in told])) for name in names}
+    # A channel that scatters says nothing of a cause that another one shows.
+    shown = [name for name in names if any(name in each for each in told)]
+    joint = {name: float(np.prod([each.get(name, each[SCATTER]) for each in told])) for name in shown}
     total = sum(joint.values()) or 1.0
     largest = max(every, key=lambda each: np.abs(each.force).max())
-    return [Suspect(_CALLED.get(name, name), joint[name] / total, _force_words(name, largest)) for name in names]
+    return [Suspect(_CALLED.get(name, name), joint[name] / total, _force_words(name, largest)) for name in shown]
 
 
 _CALLED = {SCATTER: "noise"}
@@ -167,8 +171,6 @@ def _force_words(name: str, channel) -> str:
     most = np.abs(channel.force).max()
     if name == SCATTER:
         return "Forces are missed from step to step without a course."
-    if np.ptp({ZERO: channel.force, LAW: channel.stretch, PAIRING: channel.time}[name]) == 0.0:
-        return ""
     missed = amplitude(channel, name)
     if name == ZERO:
         return f"What forces are missed by is one force in every step, {percent(missed / most)} of the largest."

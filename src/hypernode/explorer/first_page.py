@@ -143,9 +143,12 @@ def _doubt(evaluations) -> str:
     rows = []
     for each in evaluations:
         doubt = json.loads(each.attrs.get("doubt", "[]"))
-        of_test = [one for one in doubt if one["stretch"] == doubt[1]["stretch"]]
-        shown = (percent(one["total"]) + ("" if one["inside"] else " (beyond)") for one in of_test)
-        cells = "".join(f'<td class="number">{escape(text)}</td>' for text in shown)
+        of_test = {
+            one["mode"]: percent(one["total"]) + ("" if one["inside"] else " (beyond)")
+            for one in doubt
+            if one["reach"] == 1.0
+        }
+        cells = "".join(f'<td class="number">{escape(of_test.get(mode, ""))}</td>' for mode in ASKED)
         rows += [f'<tr><th scope="row">{escape(RunVerdict.of(each).run)}</th>{cells}</tr>'] if doubt else []
     if not rows:
         return ""

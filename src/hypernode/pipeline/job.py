@@ -68,15 +68,17 @@ def job(snakemake):
     # Open until the process ends: the traceback of an error that nobody expected goes there as well.
     log = open(str(snakemake.log[0]), "w", buffering=1)
     sys.stderr = _Tee(sys.__stderr__, log)
-    phases = Phases().listen()
+    # Elsewhere JAX is imported later than a job could listen to it.
+    phases = Phases().listen() if "jax" in sys.modules else None
     params, run = snakemake.params, dict(snakemake.wildcards)
     where = ", ".join(f"{key} {value}" for key, value in run.items())
     with claimed_cores(snakemake.threads), shown_alive(f"{snakemake.rule} ({where})"):
         try:
             require_platform(platform)
             yield describe(snakemake.rule, run, params.get("settings", {}), params.code)
-            with contextlib.suppress(OSError):
-                print(phases.line(), file=log)
+            if phases is not None:
+                with contextlib.suppress(OSError):
+                    print(phases.line(), file=log)
         except (ExpectedError, ValueError, OSError) as error:
             with contextlib.suppress(OSError):
                 traceback.print_exc(file=log)

@@ -23,9 +23,8 @@ class Phases:
         self._spans: list[tuple[float, float, str]] = []
 
     def listen(self) -> "Phases":
-        """Hear what JAX tells, where it has been imported."""
-        if "jax" in sys.modules:
-            sys.modules["jax"].monitoring.register_event_duration_secs_listener(self.heard)
+        """Hear what JAX tells, which must have been imported."""
+        sys.modules["jax"].monitoring.register_event_duration_secs_listener(self.heard)
         return self
 
     def heard(self, event: str, duration: float, **_) -> None:

@@ -12,6 +12,7 @@ from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
 from hypernode.identification.open_laws import open_laws
 from hypernode.identification.strategy import identify
+from hypernode.identification.volume import with_area
 from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
@@ -105,7 +106,7 @@ def _open_laws(found, settings: Constrained, variables: dict) -> dict:
         return {}
     samples, attributes = open_content(open_laws(found, settings, OPEN_SAMPLES, settings.seed))
     variables |= samples
-    return attributes
+    return attributes | {"volume_compared": with_area(settings) is not None}
 
 
 def _ending(found) -> dict:
