@@ -6,6 +6,7 @@ import pytest
 import scipy.io
 
 from hypernode.config.specimens import Specimen
+from hypernode.dic.array_files import arrays_in
 from hypernode.dic.errors import DicError
 from hypernode.dic.labels import labelled_shape
 from hypernode.dic.load_case import import_load_case
@@ -213,3 +214,18 @@ def test_single_arrays_are_told_how_they_become_one_file(tmp_path):
         np.save(tmp_path / name, values)
     with pytest.raises(DicError, match=r"'u.npy'.*numpy.savez"):
         read_test(specimen(tmp_path))
+
+
+def test_lines_of_different_lengths_need_an_array_with_both(tmp_path):
+    file = tmp_path / "frames.npz"
+    np.savez(file, x=np.arange(4000.0), y=np.arange(3000.0))
+    assert "x y" not in arrays_in(file)
+
+
+def test_one_frame_a_file_on_the_lines_of_a_square_grid_is_read(tmp_path):
+    x = np.arange(13.0)
+    for number in range(3):
+        X, Y = np.meshgrid(x, x)
+        np.savez(tmp_path / f"frame_{number}.npz", x=x, y=x, u=0.01 * number * X, v=0.02 * number * Y)
+    arrays = arrays_in(tmp_path / "frame_1.npz")
+    assert arrays["x y"].shape == (13, 13, 2)

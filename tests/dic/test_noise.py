@@ -263,3 +263,11 @@ def test_many_kinks_are_no_noise_that_neighbours_share(length):
     found = imported(parted() + SMALL * noise(20, 5, length))
     np.testing.assert_allclose(found.scatter, SMALL, rtol=0.3)
     assert found.level.max() < 3.0 * SMALL * independent_factor(length)
+
+
+@pytest.mark.parametrize("lost", [0.1, 0.2])
+def test_points_that_are_lost_in_some_steps_leave_the_level_known(lost):
+    u = loaded("smooth", 6)[:, ::4, ::4] + SMALL * noise(21, 6, points=POINTS)[:, ::4, ::4]
+    u[np.random.default_rng(22).random(u.shape[:3]) < lost] = np.nan
+    found = imported(u)
+    np.testing.assert_allclose(found.level.mean(axis=0), SMALL, rtol=0.3)

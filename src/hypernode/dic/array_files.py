@@ -42,11 +42,14 @@ def arrays_in(path: Path) -> dict[str, np.ndarray]:
 
 
 def _are_lines(x: np.ndarray, y: np.ndarray, others: Iterable[np.ndarray]) -> bool:
-    """Whether x and y are those of the lines of a grid, and not of every point: an array beside them has both axes."""
-    sizes = [x.size, y.size]
-    if max(x.ndim, y.ndim) > 2 or any(size not in each.shape for size, each in zip(sizes, (x, y), strict=True)):
+    """Whether x and y are those of the lines of a grid, and not of every point.
+
+    Then none has a value twice, and an array beside them has both axes.
+    """
+    if any(len(np.unique(each)) < each.size for each in (x, y)):
         return False
-    return x.size != y.size or any(list(each.shape).count(x.size) > 1 for each in others if each.ndim > 2)
+    beside = [list(each.shape) for each in others if each is not x and each is not y]
+    return any(x.size in each and y.size in each and (x.size != y.size or each.count(x.size) > 1) for each in beside)
 
 
 def _arrays_in(path: Path) -> dict[str, np.ndarray]:

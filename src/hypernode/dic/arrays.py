@@ -61,20 +61,19 @@ def said_of(path: Path) -> str:
 
 
 def frames_of_arrays(
-    path: Path, dialect: Dialect, arrays: Mapping[str, np.ndarray] | None = None, courses: bool = True
+    path: Path, dialect: Dialect, arrays: Mapping[str, np.ndarray], courses: bool = True
 ) -> dict[int, Points]:
     """Frames of a file of arrays, numbered from 0 on.
 
     Args:
         path: the file.
         dialect: with the names of its arrays.
-        arrays: what it holds, where that was read already.
+        arrays: what it holds.
         courses: whether it has a time, a force and the way of a crosshead of every frame.
 
     Raises:
         DicError: an array is absent, or of a shape that does not fit the others.
     """
-    arrays = arrays_in(path) if arrays is None else arrays
     if dialect.unit is None and named(arrays, "positions", dialect.arrays) in _MILLIMETRES:
         dialect = replace(dialect, unit="mm")
     position = positions_in(path, arrays, dialect.arrays)
@@ -138,7 +137,10 @@ def frame_of_arrays(path: Path, dialect: Dialect) -> Points:
     name = named(arrays, "displacements", dialect.arrays)
     u = np.squeeze(_array(path, arrays, "displacements", dialect.arrays))
     # Frames are told from places where there are two of them.
-    return frames_of_arrays(path, dialect, arrays | {name: np.stack([u, u])}, courses=False)[0]
+    arrays = arrays | {name: np.stack([u, u])}
+    if u.size != positions_in(path, arrays, dialect.arrays).size:
+        raise DicError(f"{path}: several frames in one of several files: keep one test a folder, or one frame a file")
+    return frames_of_arrays(path, dialect, arrays, courses=False)[0]
 
 
 def _components_first(stored: np.ndarray) -> bool:

@@ -144,7 +144,8 @@ def _without_force(
 
 def _strange_frames(test: SpecimenTest, series: Series, numbers) -> tuple[str, ...]:
     """Warnings: times that the files say otherwise than the configuration, several loadings, units, increments."""
-    told = test.increments or test.force_file is not None
+    # Frames that are chosen need not grow from a first small one.
+    told = test.increments or test.force_file is not None or test.frames is not None
     sentences = [
         times_contradicted(test, series),
         several_loadings(test, series, numbers),

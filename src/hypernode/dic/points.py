@@ -100,6 +100,7 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     position = np.stack([cells[role] for role in "xyz" if role in cells], axis=1) * factors[0]
     u = np.stack([cells[role] for role in "uvw" if role in cells], axis=1)
     u *= factors[1]
+    u[:, :2] = _along_axes(u[:, :2], dialect.displacement_axes)
     u = (u - position if dialect.positions else u) * dialect.displacement_factor
     for column, value in dialect.lost:
         if column in cells:
@@ -107,7 +108,6 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
     if "failed" in cells:
         u[cells["failed"]] = np.nan
     u[~_all(np.abs(u) < _ENDLESS) | _no_lengths(position, u)] = np.nan
-    u[:, :2] = _along_axes(u[:, :2], dialect.displacement_axes)
     if dialect.deformed:
         position = position - u
     known, blank = _all(np.abs(position) < _ENDLESS), _blank(cells)
@@ -148,7 +148,7 @@ def _all(components: np.ndarray) -> np.ndarray:
 
 def _no_lengths(position: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Which displacements are one number in all components, beyond the field: -999 and 1e30 stand for none."""
-    one = _all(u == u[:, :1]) & (u[:, 0] != 0.0)
+    one = _all(np.abs(u) == np.abs(u[:, :1])) & (u[:, 0] != 0.0)
     return one & (np.abs(u[:, 0]) > 2.0 * np.ptp(position, axis=0).max()) if one.any() else one
 
 

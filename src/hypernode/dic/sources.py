@@ -27,9 +27,10 @@ def frames_in(found: Found, dialect: Dialect) -> tuple[list[int], Callable[[int]
     elif dialect.content == "arrays" and len(files) > 1:
         return list(found.files), lambda number: _upward(frame_of_arrays(found.files[number], dialect), dialect)
     elif dialect.content == "arrays":
-        frames = frames_of_arrays(files[0], dialect)
+        arrays = arrays_in(files[0])
+        frames = frames_of_arrays(files[0], dialect, arrays)
         points = len(next(iter(frames.values())).position)
-        if told := said_of_labels(files[0], arrays_in(files[0]), dialect.arrays, points):
+        if told := said_of_labels(files[0], arrays, dialect.arrays, points):
             say("import", str(files[0].parent), told)
     elif dialect.content == "ncorr":
         frames = frames_of_ncorr(files[0], dialect)

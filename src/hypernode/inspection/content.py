@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernode.config.specimen_tests import SpecimenTest
+from hypernode.dic.array_files import SUFFIXES as ARRAYS
 from hypernode.dic.errors import DicError
 from hypernode.dic.folder import SUFFIXES, Found, dialect_of, find_series
 from hypernode.dic.header import HEAD_BYTES, bare, layout_of
@@ -12,8 +13,6 @@ from hypernode.dic.validity import known_columns
 
 #: Endings of what cameras write.
 PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
-#: Endings of what no testing machine writes, although displacements may stand in it.
-_NO_RECORD = {".mat", ".npz", ".h5", ".hdf5"}
 
 
 @dataclass(frozen=True)
@@ -45,19 +44,20 @@ def content_of(test: SpecimenTest) -> Content:
     except DicError as error:
         found, refusal = None, _without_displacements(pictures) or str(error)
     frames = set(found.files.values()) if found else set()
-    endings = SUFFIXES - _NO_RECORD
+    # No testing machine writes arrays, although displacements may stand in them.
+    endings = SUFFIXES - ARRAYS
     tables = tuple(path for path in files if path.suffix.lower() in endings and path not in frames)
     return Content(folder, found, refusal, pictures, tables)
 
 
 def columns_beside(found: Found) -> list[str]:
-    """Columns of the first frame that hold neither positions nor displacements; first those that tell lost points."""
+    """Columns of the first frame beside positions and displacements that are known to tell lost points."""
     if found.dialect.content != "frame":
         return []
     layout = layout_of(read_text(next(iter(found.files.values())), HEAD_BYTES).splitlines(), found.dialect)
     taken = {name for role in "xyuvzw" for name in getattr(found.dialect, role)}
     names = [] if layout is None else [bare(name) for name in layout.names if taken.isdisjoint((name, bare(name)))]
-    return sorted(names, key=lambda name: name not in known_columns(names))
+    return list(known_columns(names))
 
 
 def _without_displacements(pictures: tuple[Path, ...]) -> str:

@@ -78,12 +78,16 @@ def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> 
         said = f"load steps share {shared:.1%} of what is rough, which belongs to the sheet; the rest: {estimate} [mm]"
         return StepNoise(scatter, level, said)
     own, length = local_fit(not_shared(displacement[steps])) if len(steps) >= FEWEST_STEPS else (None, None)
+    if own is not None and not np.isfinite(own).any():
+        # Too many points are lost in one of three steps.
+        own = length = None
     estimate = estimate_noise(displacement, length=length)
     scatter, level = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
     if own is not None:
         # What is rough only where the sheet is kinked was told from noise by what steps share.
         scatter, level = np.fmax(scatter, own), np.fmax(level, own * [independent_factor(one) for one in length])
-        shared = float(np.nanmean(1.0 - (own / scatter) ** 2))
+        # Kinks add to what is told from signs, and chance to what is told from levels.
+        shared = min(shared, float(np.nanmean(1.0 - (own / scatter) ** 2)))
         estimate = replace(estimate, level=scatter, equivalent=level)
     level = as_independent(level, shared)
     counted = f"{level.min():.2g} to {level.max():.2g} mm"
