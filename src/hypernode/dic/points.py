@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import cKDTree
 
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.errors import DicError
@@ -160,6 +159,9 @@ def refuse_strays(points: Points) -> None:
     """
     if len(points.position) < 3:
         return
+    # Half a second, which every reading of the configuration would pay.
+    from scipy.spatial import cKDTree
+
     distance = cKDTree(points.position[:, :2]).query(points.position[:, :2], k=2)[0][:, 1]
     far = int(np.argmax(distance))
     if distance[far] > _STRAY * np.median(distance) > 0.0:

@@ -77,7 +77,7 @@ def _from_days(table: Table, column: int) -> Table:
         days = [float(cells[column].replace(",", ".")) for _, cells in table.rows]
     except ValueError:
         return table
-    if not all(low <= each <= high for each in days for low, high in (_DAYS,)) or max(days) - min(days) > 0.5:
+    if not (_DAYS[0] <= min(days) and max(days) <= _DAYS[1]) or max(days) - min(days) > 0.5:
         return table
     comma = any("," in cells[column] for _, cells in table.rows)
     return _with_times(table, column, [_DAY * (each - days[0]) for each in days], comma)
