@@ -13,7 +13,7 @@ import scipy.stats
 import xarray as xr
 from jaxtyping import Bool, Float
 
-from hypernode.data.measurement import measured_displacement, mesh_of, noise_of_steps
+from hypernode.data.measurement import mesh_of
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.thresholds import Settings
 from hypernode.fem.mesh import Mesh
@@ -41,13 +41,17 @@ class Refuted:
 
 
 def growth(
-    mesh: Mesh, residual: Float[np.ndarray, "step node 2"], deformation: Float[np.ndarray, " step"]
+    mesh: Mesh,
+    residual: Float[np.ndarray, "step node 2"],
+    deformation: Float[np.ndarray, " step"],
+    independent: float = 1.0,
 ) -> tuple[Float[np.ndarray, " cell"], Bool[np.ndarray, " cell"]]:
     """(what grows around every cell at the largest deformation, over noise; where it is more than chance).
 
     Args:
         residual: over noise, NaN where a point is lost.
         deformation: of each step.
+        independent: share of the residuals that are independent of their neighbours.
     """
     t = deformation / deformation.max()
     known = np.isfinite(residual).all(axis=0)
@@ -59,25 +63,26 @@ def growth(
     count = around @ known.sum(axis=1)
     mean = np.divide(around @ (projected**2).sum(axis=1), count, out=np.ones(len(count)), where=count > 0)
     # As if means around cells were independent: they overlap, so that chance does so less often.
-    limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / len(count), np.maximum(count, 1)) / np.maximum(count, 1)
+    free = np.maximum(count * independent, 1.0)
+    limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / len(count), free) / free
     return np.sqrt(np.maximum(mean - 1.0, 0.0) / power), (count > 0) & (mean > limit)
 
 
 def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted | None:
-    """Where the law of a constrained field is refuted; None where no noise or too few steps tell.
+    """Where the law of a constrained field is refuted; None where no noise of points or too few steps tell.
 
     Args:
         measurement, constrained: opened files.
     """
-    noise = noise_of_steps(measurement)
-    # Where noise of points rules, and there alone, a field says where it does not explain them.
-    if constrained is None or "unexplained" not in constrained or len(noise) < FEWEST or not (noise > 0.0).all():
+    if constrained is None or "residual" not in constrained:
         return None
+    scatter = float(constrained.attrs["residual_scatter"])
+    residual = constrained["residual"].values / scatter
     mesh, F = mesh_of(measurement), np.linalg.norm(measurement["H"].values, axis=(1, 2))
-    residual = (measured_displacement(measurement) - constrained["u"].values) / noise[:, None]
-    if len(np.unique(measurement["load_case"].values)) > 1 or np.ptp(F) == 0.0:
+    if len(residual) < FEWEST or len(np.unique(measurement["load_case"].values)) > 1 or np.ptp(F) == 0.0:
         return None
-    size, cells = growth(mesh, residual, F)
+    # Where neighbours share errors, displacements scatter by less than they weigh.
+    size, cells = growth(mesh, residual, F, scatter**2)
     stands_for = size * float(constrained.attrs["noise_deformation"])
     return Refuted(np.where(cells, size, 0.0), cells, np.where(cells, stands_for, 0.0))
 

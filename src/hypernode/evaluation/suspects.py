@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from hypernode.data.measurement import measured_displacement, mesh_of, scatter_of_steps
+from hypernode.data.measurement import mesh_of
 from hypernode.evaluation.force_courses import LAW, PAIRING, SCATTER, ZERO, amplitude, channels, probabilities
 from hypernode.evaluation.level_budget import LevelBudget
 from hypernode.evaluation.limits import percent
@@ -77,11 +77,10 @@ def evidence_of(
 
 
 def _pattern(measurement, constrained, variables) -> Pattern | None:
-    scatter = scatter_of_steps(measurement)
-    if "unexplained" not in constrained or not (scatter > 0.0).all():
+    if "residual" not in constrained:
         return None
     mesh, case = mesh_of(measurement), measurement["load_case"].values
-    residual = (measured_displacement(measurement) - constrained["u"].values) / scatter[:, None]
+    residual = constrained["residual"].values / float(constrained.attrs["residual_scatter"])
     deformation = np.linalg.norm(measurement["H"].values, axis=(1, 2))
     # What a law misses of one load case does not repeat in another: the one that is missed most tells.
     own = case == max(case, key=lambda each: np.nanmean(residual[case == each] ** 2))

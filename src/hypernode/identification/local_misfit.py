@@ -20,10 +20,14 @@ class LocalMisfit:
     Attributes:
         values: root mean square over the nodes of the cell and of the cells around it, NaN where nothing is observed.
         unexplained: cells whose value exceeds the limit of chance for the whole sheet.
+        residuals: misfit of every displacement over the error with which it weighs, NaN where none is observed.
+        scatter: expected root mean square of these residuals.
     """
 
     values: Float[np.ndarray, " cell"]
     unexplained: Bool[np.ndarray, " cell"]
+    residuals: Float[np.ndarray, "step node 2"]
+    scatter: float
 
 
 def local_misfit(found: Estimate) -> LocalMisfit | None:
@@ -36,8 +40,11 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     if not (problem.noisy and observations.by_points):
         return None
     residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
-    node = np.concatenate([boundary.observed for boundary in observations.boundaries]) // 2
     nodes = len(observations.grid.nodes)
+    observed = [boundary.observed for boundary in observations.boundaries]
+    by_node = np.full((len(observed), 2 * nodes), np.nan)
+    by_node[np.repeat(np.arange(len(observed)), [len(each) for each in observed]), np.concatenate(observed)] = residuals
+    node = np.concatenate(observed) // 2
     around = observations.grid.around()
     squares = around @ np.bincount(node, residuals**2, nodes)
     count = around @ np.bincount(node, minlength=nodes)
@@ -49,4 +56,7 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     alone = scipy.stats.norm.sf(strategy.never_by_chance) / places
     independent = np.maximum(count * observations.scatter**2, 1.0)
     limit = scipy.stats.chi2.isf(alone, independent) / independent
-    return LocalMisfit(np.sqrt(mean) / usual, known & (mean > limit * usual**2))
+    unexplained = known & (mean > limit * usual**2)
+    return LocalMisfit(
+        np.sqrt(mean) / usual, unexplained, by_node.reshape(len(observed), nodes, 2), observations.scatter
+    )

@@ -55,6 +55,8 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     local, left_out = local_misfit(found), predict_left_out(found)
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
+        variables |= {"residual": local.residuals}
+        beside |= {"residual_scatter": local.scatter}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(

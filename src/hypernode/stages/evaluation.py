@@ -9,7 +9,6 @@ import numpy as np
 from hypernode.config.geometries import Image
 from hypernode.config.model import Config
 from hypernode.config.specimens import Specimen
-from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.measurement import mesh_of
 from hypernode.dic.array_files import SUFFIXES
 from hypernode.dic.labels import labelled_shape
@@ -55,13 +54,11 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
     beside = 0.0 if budget is None else budget.of(SHARE).level
     doubt = doubts(data, mesh_of(measurement).centres, float(measurement["stretch"].values.max()), beside)
     constrained = data.get("constrained")
-    # Residuals count over the noise with which the field was identified.
-    believed = measurement if constrained is None else BelievedNoise.read(constrained.attrs).of(measurement)
-    where = refuted(believed, constrained)
+    where = refuted(measurement, constrained)
     if where is not None:
         judged |= Judgement({"refuted_by": where.size})
     verdict = judge_run(judged.summary, measurement, constrained, SETTINGS, budget, doubt, where)
-    evidence = evidence_of(judged.summary, judged.variables, believed, constrained, budget)
+    evidence = evidence_of(judged.summary, judged.variables, measurement, constrained, budget)
     verdict = with_suspects(verdict, evidence)
     summary = {"case": name, "verdict": verdict.label, **judged.summary}
     weights = _trained_weights(data["material"])
