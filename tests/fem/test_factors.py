@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from hypernode.fem.factors import CholeskyFactors, factorise
+from hypernode.fem.factors import AT_ONCE, MANY, CholeskyFactors, factorise
 
 
 def stiffness(n):
@@ -22,6 +22,14 @@ def test_factors_solve_definite_and_indefinite_systems_of_one_vector_and_of_seve
     b = np.random.default_rng(1).normal(size=(40, 3))
     np.testing.assert_allclose(A @ factors.solve(b), b, atol=1e-10)
     np.testing.assert_allclose(factors.solve(b[:, 1]), factors.solve(b)[:, 1], rtol=1e-12)
+
+
+def test_many_columns_have_the_solutions_that_each_has_alone():
+    A = stiffness(40)
+    b = np.random.default_rng(2).normal(size=(40, AT_ONCE + MANY))
+    factors = factorise(A)
+    together = factors.solve(b)
+    np.testing.assert_allclose(together, np.stack([factors.solve(column) for column in b.T], axis=1), atol=1e-10)
 
 
 def test_a_matrix_without_an_inverse_is_an_error():

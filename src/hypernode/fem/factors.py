@@ -1,15 +1,22 @@
 """Factors of sparse symmetric matrices: Cholesky's by CHOLMOD; SuperLU's where a matrix is not positive definite."""
 
+import functools
+
 import cvxopt
 import cvxopt.cholmod
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
+from cholespy import CholeskySolverD, MatrixType
 from jaxtyping import Float
 
 #: Of SuperLU for symmetric matrices: pivots must not disturb their ordering, and those that are positive definite need
 #: none, so that their factors are those of Cholesky.
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+
+
+#: Columns from which factors that solve for many at once pay for being made, and how many they solve for at once.
+MANY, AT_ONCE = 64, 128
 
 
 class CholeskyFactors:
@@ -20,6 +27,7 @@ class CholeskyFactors:
     """
 
     def __init__(self, matrix: scipy.sparse.spmatrix):
+        self._matrix = matrix
         lower = scipy.sparse.tril(matrix).tocoo()
         rows, columns = (cvxopt.matrix(each.astype(np.int64)) for each in (lower.row, lower.col))
         entries = cvxopt.spmatrix(cvxopt.matrix(lower.data), rows, columns, matrix.shape)
@@ -31,9 +39,27 @@ class CholeskyFactors:
         b = np.asarray(b, float)
         if b.size == 0:
             return b.copy()
+        if b.ndim == 2 and b.shape[1] >= MANY:
+            return self._of_many(b)
         x = cvxopt.matrix(b)
         cvxopt.cholmod.solve(self._factors, x)
         return np.array(x).reshape(b.shape)
+
+    @functools.cached_property
+    def _columns(self) -> CholeskySolverD:
+        """Factors that take many columns at once, where those of CVXOPT take one after the other."""
+        lower = scipy.sparse.tril(self._matrix, format="csc")
+        indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
+        return CholeskySolverD(lower.shape[0], *indices, lower.data, MatrixType.CSC)
+
+    def _of_many(self, b: Float[np.ndarray, "n column"]) -> Float[np.ndarray, "n column"]:
+        found = np.empty(b.shape)
+        for first in range(0, b.shape[1], AT_ONCE):
+            given = np.ascontiguousarray(b[:, first : first + AT_ONCE])
+            solved = np.empty_like(given)
+            self._columns.solve(given, solved)
+            found[:, first : first + AT_ONCE] = solved
+        return found
 
 
 def factorise(matrix: scipy.sparse.spmatrix) -> CholeskyFactors | scipy.sparse.linalg.SuperLU:

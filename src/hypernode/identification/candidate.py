@@ -1,11 +1,12 @@
 """A field of materials and lines that was tried, and what it scores."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_fit import Fit
 from hypernode.identification.problem import FieldProblem
 from hypernode.trace import Score, Trial
@@ -52,6 +53,16 @@ class Candidate:
     def subcells(self) -> int:
         """Rows and columns into which a cell of the grid is divided."""
         return round(np.sqrt(self.problem.refinement.subcells.shape[1]))
+
+    def edges(self, problem: FieldProblem, steps: list[int]) -> Sequence[EdgeAnswers] | None:
+        """How these load steps answer to errors of prescribed edges, as certain as here; None where it is not known."""
+        own, other = (each.observations.boundaries for each in (self.problem, problem))
+        known = self.fit.steps == steps and self.problem.sigma == problem.sigma
+        alike = known and all(
+            own[k].errors.shape[1] == other[k].errors.shape[1] and np.array_equal(own[k].observed, other[k].observed)
+            for k in steps
+        )
+        return self.fit.edges if alike else None
 
     @property
     def leaves_more_than_noise(self) -> bool:

@@ -5,9 +5,11 @@ correlation window may be one more. Far from the solution the residual of the di
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
+from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_noise import Left, left_of
 from hypernode.identification.interface_numbers import UNKNOWN, Derivatives, Numbers, numbers_of
 from hypernode.identification.interfaces import Interfaces
@@ -45,6 +47,7 @@ class Fit:
         window, window_error: side of the window in points, its standard deviation, 0 where it is not sought.
         ending: how the descent ended.
         history: misfit before every step.
+        edges: how residuals answer to errors of prescribed edges, by step.
     """
 
     field: Interfaces
@@ -63,6 +66,7 @@ class Fit:
     window_error: float
     ending: Ending
     history: list[float]
+    edges: Sequence[EdgeAnswers]
 
 
 class InterfaceFit:
@@ -78,6 +82,8 @@ class InterfaceFit:
         self.test, self._finds, self._moves = test, find_window, move_lines
         self._strategy = test.problem.strategy
         self._window_error, self._measures = 0.0, move_lines and not settled
+        #: Number of the damping with which the next step begins.
+        self._damping = 0
         self._model: Derivatives | None = None
         self._latest: Derivatives | None = None
 
@@ -100,6 +106,7 @@ class InterfaceFit:
             return None
         history, ending, sigma = [], Ending.OUT_OF_ITERATIONS, np.inf
         self._model = self._latest = None
+        self._damping = 0
         for number in range(iterations):
             if self._measures and number in MEASURED:
                 anew = field.measured_anew(FEWEST)
@@ -130,9 +137,8 @@ class InterfaceFit:
             return np.inf
         numbers, shared = self._numbers(field), self.test.shared(states, sigma)
         residuals = self.test.residuals(states, sigma)
-        curvature, gradient = shared.normal(
-            self.test.answers(states, self.test.loads(field, states, numbers.moves), sigma), residuals
-        )
+        answers = self.test.answers(states, self.test.loads(field, states, numbers.moves), sigma)
+        curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
         curvature, gradient = curvature + numbers.held.toarray(), gradient + numbers.slope(numbers.y)
         _, gain, _ = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, self._strategy)
         return 0.5 * shared.squared(residuals) + numbers.prior(numbers.y) - gain
@@ -140,11 +146,12 @@ class InterfaceFit:
     def _followed(self, field: Interfaces, states, sigma: float) -> Derivatives:
         """Derivatives at a field."""
         moves, test = self.moves(field), self.test
-        jacobians = test.answers(states, test.loads(field, states, moves), sigma)
+        answers = test.answers(states, test.loads(field, states, moves), sigma)
+        jacobians = [answer.J for answer in answers]
         if self._finds:
             columns = test.by_window(states, sigma)
             jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
-        return Derivatives(moves, sigma, jacobians)
+        return Derivatives(moves, sigma, answers, jacobians)
 
     def _step(self, field: Interfaces, states, sigma: float):
         """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
@@ -161,12 +168,12 @@ class InterfaceFit:
             covariance = np.linalg.inv(curvature + np.diag(UNKNOWN * numbers.floor))
             self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
         window, count, promised = test.window, len(numbers.y) - self._finds, []
-        for changed, gain in projected_steps(
-            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy
+        for changed, gain, damping in projected_steps(
+            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy, self._damping
         ):
             promised.append(gain)
             trial = field.at(changed[:count], numbers.moves)
-            reached = test.states(trial, [u for u, _, _ in states])
+            reached = test.followed(trial, states, model.answers, (changed - numbers.y)[:count])
             if reached is not None:
                 if self._finds:
                     test.see_through(float(changed[-1]))
@@ -174,6 +181,8 @@ class InterfaceFit:
                 if after < before:
                     if len(promised) == 1 and before - after > TRUSTED * gain:
                         self._model = model
+                    # The next step is a little bolder than this one, and no more.
+                    self._damping = max(damping - 1, 0)
                     return (trial, reached), before, before - after
             if not fresh:
                 break
@@ -208,6 +217,7 @@ class InterfaceFit:
             self._window_error,
             ending,
             history,
+            shared.answers,
         )
 
     def _left(self, of_u, determined: float) -> Left:

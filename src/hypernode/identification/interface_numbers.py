@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.problem import FieldProblem
+from hypernode.identification.seen_test import Answer
 
 #: In sides of cells: how near a line its distances bend, and by how much they usually do.
 BENT, BEND = 0.8, 0.3
@@ -55,11 +56,13 @@ class Derivatives:
     Attributes:
         moves: how the distances from each line follow when its points move.
         sigma: by which residuals of displacements were divided.
-        jacobians: by step (residual, number).
+        answers: to the numbers of materials and lines, by step.
+        jacobians: with the window, where it is a number, by step (residual, number).
     """
 
     moves: list
     sigma: float
+    answers: list[Answer]
     jacobians: list[np.ndarray]
 
     def over(self, sigma: float, displacements: list[int]) -> list[np.ndarray]:

@@ -96,7 +96,7 @@ class Search:
             if alone is not None and not alone.leaves_more_than_noise:
                 alone = self._of_one(alone)
                 return alone, alone
-            beside = parting.beside(one)
+            beside = parting.in_cells(parting.beside(one))
             # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
             mosaic = None if problem.noisy else MosaicSearch(trials, self._steps).end(one, beside)
             if mosaic is not None and not mosaic.leaves_more_than_noise:
@@ -159,7 +159,7 @@ class Search:
             directed = parting.with_direction(alone)
             if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
                 beside = directed
-        kept = parting.parted(alone, beside)
+        kept = parting.parted(alone, parting.in_cells(beside))
         if kept is None or kept is alone:
             return None
         loading, u = one.problem.observations.loading, dict(kept.u)

@@ -16,8 +16,8 @@ from jaxtyping import Float
 
 from hypernode.identification.points import Points
 
-#: Newton steps for the jump at most, and the change of it that ends them.
-STEPS, SMALL = 30, 1e-10
+#: Newton steps for the jump at most, and the change of it that ends them: the next one would be about its square.
+STEPS, SMALL = 30, 1e-6
 #: Share of the way to where a side would have no area that a step goes at most.
 NEAREST = 0.8
 

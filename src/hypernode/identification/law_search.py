@@ -15,7 +15,7 @@ from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 #: Steps at most of lines that another law sends far from their place.
 FAR_STEPS = 20
-#: How many of the terms that may join are tried where noise is left, those first that promise most.
+#: How many of the terms that may join are tried, those first that promise most.
 TERMS_TRIED = 2
 #: Terms that say more of another one.
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
@@ -46,26 +46,24 @@ class LawSearch:
     def end(self, kept: Candidate) -> Candidate:
         """Add terms one after the other as long as the score improves; the lines are fitted again.
 
-        The term with the largest predicted gain is tried first. If it does not improve the score, the second is tried,
-        and if the residual exceeds noise, all others.
+        The two terms with the largest predicted gains are tried, and the better one is kept if it improves the score.
+        If neither does and the residual exceeds noise, the others are tried until one does.
         """
         trials = self._trials
         while not kept.leaves_nothing:
             promises = {term: self._promise(kept, term) for term in self._open(kept)}
-            promising = sorted(promises, key=lambda term: promises[term][0])
-            # Where lines and materials leave deformation, one step is too short to say what a term explains.
-            promising = promising if kept.misses_deformation else promising[:TERMS_TRIED]
-            paid = None
-            for term in promising:
-                found = self._with(kept, term, promises[term][1])
+            promising, paid = sorted(promises, key=lambda term: promises[term][0]), None
+            for number, term in enumerate(promising):
+                # Where lines and materials leave deformation, one step is too short to say what a term explains.
+                if number >= TERMS_TRIED and (paid is not None or not kept.misses_deformation):
+                    break
+                found, best = self._with(kept, term, promises[term][1]), paid or kept
                 if found is None:
                     continue
-                gain = found.gain_over(kept)
-                if gain > EVIDENCE:
-                    paid = found
-                    trials.passed_over(kept, f"scores {gain:+.1f} against the law with {term}")
-                    break
-                trials.passed_over(found, f"scores {-gain:+.1f} against the law without {term}")
+                gain = found.gain_over(best)
+                better, other, word = (found, best, "with") if gain > EVIDENCE else (best, found, "without")
+                trials.passed_over(other, f"scores {abs(gain):+.1f} against the law {word} {term}")
+                paid = better if better is not kept else None
             if paid is None:
                 break
             kept = self._settled(paid)
@@ -79,7 +77,8 @@ class LawSearch:
         problem = self._trials.with_term(kept, term)
         left = kept.fit.left
         sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
-        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window), move_lines=False)
+        edges = kept.edges(problem, self._steps)
+        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window, edges), move_lines=False)
         begun = translated(kept.fit.field.materials, kept.problem, problem)
         guesses = [kept.u[k] for k in self._steps]
         fields = [kept.fit.field.with_law(each) for each in turned(begun, problem, term)]

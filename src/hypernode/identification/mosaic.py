@@ -124,9 +124,8 @@ class Mosaic(Interfaces):
             return None
         sigma = test.sigma_of(states)
         loads = [self._loads(test.sheet.response(u, half_way, True)[2], half_way, options) for u, _, _ in between]
-        curvature, gradient = test.shared(states, sigma).normal(
-            test.answers(between, loads, sigma), test.residuals(states, sigma)
-        )
+        answers = [answer.J for answer in test.answers(between, loads, sigma)]
+        curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
         count = len(options.cell)
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])

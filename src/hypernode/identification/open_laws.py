@@ -137,9 +137,8 @@ def _fitted(problem: FieldProblem, field: Interfaces, steps, guesses, sigma: flo
             return best
         guesses = [u for u, _, _ in states]
         numbers = numbers_of(problem, field, field.still, None)
-        curvature, gradient = shared.normal(
-            test.answers(states, test.loads(field, states, field.still), sigma), residuals
-        )
+        answers = test.answers(states, test.loads(field, states, field.still), sigma)
+        curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
         usual = np.zeros(len(numbers.y))
         usual[: field.materials.size] = np.tile(_precision(problem.basis), field.count)
         curvature = curvature + numbers.held.toarray() + np.diag(usual)

@@ -38,15 +38,24 @@ class Beside(NamedTuple):
         problem: with the law that has these numbers.
         known: materials and lines.
         columns: parameters of the materials that the numbers add to.
+        descent: of the numbers.
         found: the numbers, None without equilibrium.
-        u: displacement of every load step with them.
+        steps: load steps that they explain.
+        u: displacement of every load step before.
     """
 
     problem: FieldProblem
     known: Interfaces
     columns: list[int]
+    descent: CellDescent
     found: ByCell | None
+    steps: list[int]
     u: dict
+
+    @property
+    def reached(self) -> dict:
+        """Displacement of every load step with the numbers."""
+        return {**self.u, **{k: state[0] for k, state in zip(self.steps, self.found.states, strict=True)}}
 
     def parts(self, count: int):
         """(part of every cell, material of every part) of so many parts of about equal numbers."""
@@ -71,16 +80,13 @@ class Parting:
         self.by_cell = np.inf
 
     def beside(self, begun: Candidate) -> Beside:
-        """The factor in every cell that explains more than a candidate, on top of its materials.
+        """The factor of the stiffness in blocks of cells that explains more than a candidate, on top of its materials.
 
         The materials of the homogeneous fit take the place of one that was fitted to the whole sheet.
         """
         plain = begun.problem.homogeneous.params[None]
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
-        found = self._by_cell(begun, begun.problem, known, [0], np.zeros((1, 1)))
-        if found.found is not None:
-            self.by_cell = min(self.by_cell, found.found.misfit)
-        return found
+        return self._by_cell(begun, begun.problem, known, [0], np.zeros((1, 1)))
 
     def with_direction(self, one: Candidate) -> Beside:
         """A factor and fibres in every cell, on top of one homogeneous material."""
@@ -122,13 +128,24 @@ class Parting:
         trials, steps = self._trials, self._largest(problem)
         test = SeenTest(problem, steps, begun.fit.window if self._finds else None)
         descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
-        found = descent.end([begun.u[k] for k in steps], starts)
-        if found is None:
-            return Beside(problem, known, columns, None, begun.u)
-        words = "a factor of the stiffness" + " and fibres" * (len(columns) > 1)
-        say("constrained", trials.name, f"{words} in every cell: missed by {found.misfit:.3g}")
-        reached = {k: state[0] for k, state in zip(steps, found.states, strict=True)}
-        return Beside(problem, known, columns, found, {**begun.u, **reached})
+        found = Beside(problem, known, columns, descent, None, steps, begun.u)
+        found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts))
+        self._tell(found, "blocks of cells")
+        return found
+
+    def in_cells(self, beside: Beside) -> Beside:
+        """A factor whose cells near jumps have numbers of their own; fibres stay those of blocks."""
+        if beside.found is None or len(beside.columns) > 1:
+            return beside
+        found = beside._replace(found=beside.descent.of_cells(beside.found))
+        self._tell(found, "cells near jumps")
+        self.by_cell = min(self.by_cell, found.found.misfit)
+        return found
+
+    def _tell(self, beside: Beside, where: str) -> None:
+        words = "a factor of the stiffness" + " and fibres" * (len(beside.columns) > 1)
+        left = "no equilibrium" if beside.found is None else f"missed by {beside.found.misfit:.3g}"
+        say("constrained", self._trials.name, f"{words} in {where}: {left}")
 
     def parted(self, begun: Candidate, beside: Beside | None = None) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
@@ -138,10 +155,10 @@ class Parting:
             beside: of :meth:`beside`, where that is known.
         """
         trials, first = self._trials, begun.fit.field.count == 1
-        beside = beside or self.beside(begun)
-        problem, known, u = beside.problem, beside.known, beside.u
+        beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
+        problem, known, u = beside.problem, beside.known, beside.reached
         kept, window = begun, WINDOW if self._finds and first else begun.fit.window
         # On top of another law, as many materials may lie elsewhere.
         for count in range(known.count + first, MOST + 1):

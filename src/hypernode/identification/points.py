@@ -69,14 +69,13 @@ class Points:
     @staticmethod
     def _blocks(function, F, params):
         """Results of a compiled function whose last axis are points, block by block."""
-        count = F.shape[-1]
-        whole = -(-max(count, 1) // BLOCK) * BLOCK
-        # What fills the last block is the last point again.
-        index = np.minimum(np.arange(whole), count - 1)
-        found = [
-            function(F[..., index[first : first + BLOCK]], params[..., index[first : first + BLOCK]])
-            for first in range(0, whole, BLOCK)
-        ]
+        count, found = F.shape[-1], []
+        for first in range(0, count, BLOCK):
+            given = [each[..., first : first + BLOCK] for each in (F, params)]
+            if missing := BLOCK - given[0].shape[-1]:
+                # What fills the last block is its last point again.
+                given = [np.concatenate([each, np.repeat(each[..., -1:], missing, axis=-1)], axis=-1) for each in given]
+            found.append(function(*given))
         return [
             np.concatenate([np.asarray(each) for each in part], axis=-1)[..., :count]
             for part in zip(*found, strict=True)

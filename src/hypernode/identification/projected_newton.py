@@ -15,8 +15,9 @@ def projected_steps(
     lowest: Float[np.ndarray, " number"],
     floor: Float[np.ndarray, " number"],
     strategy: Strategy,
-) -> Iterator[tuple[np.ndarray, float]]:
-    """Where steps from ``x`` lead, from the whole one to shorter and more damped ones, and what each should gain.
+    least: int = 0,
+) -> Iterator[tuple[np.ndarray, float, int]]:
+    """(where a step from ``x`` leads, what it should gain, number of its damping), each more damped than the last.
 
     A number at its least value that would fall stays there, and the others go without it. A coefficient at zero has no
     slope below zero, and the step that a linear model asks of it is as long as it is wrong.
@@ -24,17 +25,18 @@ def projected_steps(
     Args:
         lowest: least value of every number, minus infinity for most.
         floor: added to the diagonal of the curvature, for what data do not tell.
+        least: number of the damping of the first step.
     """
     going = np.flatnonzero((x > lowest) | (gradient < 0.0))
     gradient, curvature = gradient[going], curvature[np.ix_(going, going)]
     fractions = strategy.fraction ** np.arange(strategy.clipped_trials)
-    for damping in strategy.damping_shares:
+    for number, damping in list(enumerate(strategy.damping_shares))[least:]:
         change = -np.linalg.solve(curvature + np.diag(damping * np.diag(curvature) + floor[going]), gradient)
         within = change * min(1.0, strategy.largest_step / np.abs(change).max())
         for fraction in fractions:
             changed = x.copy()
             changed[going] += fraction * within
-            yield np.maximum(changed, lowest), -0.5 * float(gradient @ change)
+            yield np.maximum(changed, lowest), -0.5 * float(gradient @ change), number
 
 
 def bounded_step(

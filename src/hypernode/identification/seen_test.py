@@ -1,7 +1,11 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse
+from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
 from hypernode.identification.errors import EdgeAnswers, SharedErrors
@@ -20,6 +24,28 @@ DIFFERENCE = 0.05
 LARGEST_WINDOW = 6.0
 
 
+class Answer(NamedTuple):
+    """How a step answers to numbers, to first order.
+
+    Attributes:
+        J: derivative of the residuals (residual, number).
+        displacements: derivative of the displacement at free degrees of freedom by numbers that load nodes.
+        some: which numbers do.
+        free: degrees of freedom that equilibrium moves.
+    """
+
+    J: Float[np.ndarray, "residual number"]
+    displacements: Float[np.ndarray, "free some"]
+    some: np.ndarray
+    free: np.ndarray
+
+    def near(self, u: Float[np.ndarray, "node 2"], change: Float[np.ndarray, " number"]) -> Float[np.ndarray, "node 2"]:
+        """Displacement near equilibrium once numbers have changed."""
+        moved = u.copy()
+        moved.ravel()[self.free] += self.displacements @ change[self.some]
+        return moved
+
+
 class SeenTest:
     """Some load steps of a test, seen through a window.
 
@@ -34,9 +60,16 @@ class SeenTest:
 
     Args:
         window: left out, that of the observations.
+        edges: how the residuals of every step answer to errors of prescribed edges, where that is known.
     """
 
-    def __init__(self, problem: FieldProblem, steps: list[int], window: float | None = None):
+    def __init__(
+        self,
+        problem: FieldProblem,
+        steps: list[int],
+        window: float | None = None,
+        edges: Sequence[EdgeAnswers] | None = None,
+    ):
         observations = problem.observations
         self.problem, self.steps, self.sigma = problem, steps, problem.sigma
         self.sheet = Sheet(problem.mesh, Points(problem.basis), observations.relative_thickness)
@@ -45,7 +78,7 @@ class SeenTest:
         flat = [f for each in self.forces for f in each]
         errors = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
         self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1]) if steps else []
-        self._answers = None
+        self._answers = edges
         self.step = grid_step(observations.grid)
         self.see_through(observations.window / self.step if window is None else window)
 
@@ -74,6 +107,17 @@ class SeenTest:
         ]
 
     # Equilibrium and what is left.
+
+    def followed(self, field: Interfaces, states, answers: Sequence[Answer], change) -> list | None:
+        """Equilibrium of every step after a change of the numbers; None where there is none.
+
+        Args:
+            field: with the changed numbers.
+            states, answers: before, and how they answer to numbers.
+        """
+        before = [u for u, _, _ in states]
+        near = [answer.near(u, change) for u, answer in zip(before, answers, strict=True)]
+        return self.states(field, near) or self.states(field, before)
 
     def states(self, field: Interfaces, guesses) -> list | None:
         """Equilibrium of every step near guesses of the displacement; None where there is none."""
@@ -127,8 +171,8 @@ class SeenTest:
 
     # Derivatives.
 
-    def answers(self, states, loads, sigma: float) -> list[np.ndarray]:
-        """Derivative of the residuals by numbers whose load on the nodes is given, by step (residual, number)."""
+    def answers(self, states, loads, sigma: float) -> list[Answer]:
+        """How every step answers to numbers whose load on the nodes is given."""
         found = []
         for ((_, _, K), boundary, observe, forces), load in zip(self._of_steps(states), loads, strict=True):
             # Numbers that load nothing, as distances beside no cut cell, change nothing.
@@ -139,7 +183,7 @@ class SeenTest:
             J[: observe.shape[0], some] = (observe[:, free] / sigma) @ du
             for row, f in zip(J[observe.shape[0] :], forces, strict=True):
                 row[some] = (load.T @ f.direction + (K @ f.direction)[free] @ du) / f.sigma
-            found.append(J)
+            found.append(Answer(J, du, some, free))
         return found
 
     def loads(self, field: Interfaces, states, moves) -> list[scipy.sparse.csr_matrix]:
@@ -149,10 +193,13 @@ class SeenTest:
 
     def jacobian(self, field: Interfaces, states, moves) -> Jacobian:
         """Derivatives by the numbers of a field as products, with what residuals share."""
-        steps = []
-        for each, load in zip(self._of_steps(states), self.loads(field, states, moves), strict=True):
+        steps, known = [], self.shared(states, self.sigma).answers
+        loads = self.loads(field, states, moves)
+        for each, load, edges in zip(self._of_steps(states), loads, known, strict=True):
             (_, _, K), boundary, observe, forces = each
             directions = [(f.direction, f.sigma) for f in forces]
-            steps.append(StepJacobian(K, load, boundary.free, observe / self.sigma, directions, boundary.errors))
+            answered = np.concatenate([edges.u / self.sigma, edges.f])
+            given = observe / self.sigma, directions, boundary.errors, answered
+            steps.append(StepJacobian(K, load, boundary.free, *given))
         of_forces = [self.steps.index(f.step) for each in self.forces for f in each]
         return Jacobian(steps, of_forces, np.concatenate(self._loads), self.sigma, np.ones(len(steps)))

@@ -87,9 +87,10 @@ class StepJacobian:
         observe: observed displacements over their uncertainty from all of them.
         forces: direction (degree of freedom,) and uncertainty of every measured resultant.
         errors: errors of the prescribed displacements (degree of freedom, independent standard normal number), sparse.
+        answered: A, where it is known (residual, independent standard normal number).
     """
 
-    def __init__(self, K, B, free, observe, forces, errors):
+    def __init__(self, K, B, free, observe, forces, errors, answered=None):
         rows = K[free]
         self.factor = factorise(rows[:, free])
         self._load, self._observe = B[free], observe[:, free]
@@ -99,13 +100,19 @@ class StepJacobian:
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
         self.observed, self.parameters = observe.shape[0], B.shape[1]
-        A = np.empty((observe.shape[0] + len(forces), errors.shape[1]))
+        if answered is None:
+            answered = self._answered(rows, free, observe, reactions, errors)
+        self._shared, self.variance = directions(answered)
+
+    def _answered(self, rows, free, observe, reactions, errors):
+        """How residuals answer to errors of the prescribed displacements, some at a time."""
+        found = []
         for first in range(0, errors.shape[1], ERRORS_AT_ONCE):
             some = errors[:, first : first + ERRORS_AT_ONCE]
             du = some.toarray()
             du[free] = -self.factor.solve((rows @ some).toarray())
-            A[:, first : first + ERRORS_AT_ONCE] = np.concatenate([observe @ du, *(r[None] @ du for r in reactions)])
-        self._shared, self.variance = directions(A)
+            found.append(np.concatenate([observe @ du, *(r[None] @ du for r in reactions)]))
+        return np.concatenate(found, axis=1) if found else np.zeros((self.observed + len(reactions), 0))
 
     def displacement(self, change):
         """First-order change of the free displacements."""

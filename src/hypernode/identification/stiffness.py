@@ -21,16 +21,16 @@ from hypernode.identification.sheet import CellMaterials
 
 #: Size below which a jump costs its square, and above which a larger one costs hardly more.
 SMALLEST_JUMP, LARGEST_JUMP = 0.02, 0.05
-#: Steps with total variation before larger jumps stop costing more, and at most in all.
-CONVEX_STEPS, STEPS = 4, 40
+#: Steps with total variation before larger jumps stop costing more, at most of blocks, and then of cells near jumps.
+CONVEX_STEPS, STEPS, OF_CELLS = 4, 40, 10
 #: Times that weights of jumps follow a step.
 ROUNDS = 2
 #: A step that gains less than this share of the cost ends the descent.
-GAIN = 2e-3
+GAIN = 5e-3
 #: Fractions of a step that are tried, and its largest change.
 FRACTIONS, LARGEST_STEP = (1.0, 0.5, 0.2, 0.05), 1.0
-#: Cells along a side of the blocks that move together at first.
-BLOCK = 2
+#: Cells along a side of the blocks that share numbers at first, and then.
+BLOCKS = 4, 2
 
 
 class ByCell(NamedTuple):
@@ -40,11 +40,13 @@ class ByCell(NamedTuple):
         values: added to parameters of the materials of every cell (cell, number).
         states: equilibrium of every step.
         misfit: root mean square of the displacements' misfit over their noise.
+        groups: number of the group of cells that share numbers, of each (cell,).
     """
 
     values: Float[np.ndarray, "cell number"]
     states: list
     misfit: float
+    groups: Int[np.ndarray, " cell"]
 
     def halves(self, other: "ByCell") -> bool:
         """Whether these numbers leave less than half of the squares that others leave of the same steps."""
@@ -74,20 +76,19 @@ class Shifted:
         return self._of, None
 
 
-def blocks(mesh: Mesh) -> Int[np.ndarray, " cell"]:
-    """Number of the block of neighbouring cells of each."""
+def blocks(mesh: Mesh, side: int) -> Int[np.ndarray, " cell"]:
+    """Number of the block of so many cells along a side that each belongs to."""
     row, column = np.divmod(mesh.places[mesh.cells[:, 0]], len(mesh.lines[0]))
-    return np.unique(np.stack([row // BLOCK, column // BLOCK]), axis=1, return_inverse=True)[1].ravel()
+    return np.unique(np.stack([row // side, column // side]), axis=1, return_inverse=True)[1].ravel()
 
 
-def divided_near_jumps(mesh: Mesh, values: Float[np.ndarray, "cell number"], groups) -> Int[np.ndarray, " cell"]:
-    """The same blocks, those that touch a jump divided into cells."""
-    pairs = mesh.touching()
-    jump = np.linalg.norm(values[pairs[:, 0]] - values[pairs[:, 1]], axis=1) > LARGEST_JUMP
+def divided_near_jumps(mesh: Mesh, found: ByCell) -> Int[np.ndarray, " cell"]:
+    """The same groups, those that touch a jump divided into cells."""
+    pairs, groups = mesh.touching(), found.groups
+    jump = np.linalg.norm(found.values[pairs[:, 0]] - found.values[pairs[:, 1]], axis=1) > LARGEST_JUMP
     beside = np.zeros(groups.max() + 1, bool)
     beside[groups[pairs[jump]].ravel()] = True
-    alone = beside[groups]
-    finer = np.where(alone, groups.max() + 1 + np.arange(len(groups)), groups)
+    finer = np.where(beside[groups], groups.max() + 1 + np.arange(len(groups)), groups)
     return np.unique(finer, return_inverse=True)[1]
 
 
@@ -110,24 +111,30 @@ class CellDescent:
         self._difference = scipy.sparse.csr_matrix(entries, (number, len(mesh.cells)))
         self._length = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / np.sqrt(mesh.areas.mean())
 
-    def end(self, guesses, starts: Float[np.ndarray, "start number"]) -> ByCell | None:
-        """Where descents of blocks end, and of one number then those of cells near jumps; None without equilibrium.
+    def of_blocks(self, guesses, starts: Float[np.ndarray, "start number"]) -> ByCell | None:
+        """Where a descent of blocks ends; None without equilibrium.
 
         Args:
             starts: numbers from which all cells may begin; one is kept, that of which a few steps leave least.
         """
-        mesh, groups, best = self._test.sheet.mesh, blocks(self._test.sheet.mesh), None
+        mesh, best = self._test.sheet.mesh, None
+        groups = blocks(mesh, BLOCKS[0])
         for start in starts:
             found = self._descend(np.tile(start, (len(mesh.cells), 1)), guesses, groups, CONVEX_STEPS)
             if found is not None and (best is None or found.misfit < best.misfit):
                 best = found
         if best is None:
             return None
-        best = self._descend(best.values, [u for u, _, _ in best.states], groups, STEPS, CONVEX_STEPS) or best
-        if len(self._columns) > 1:
-            return best
-        groups = divided_near_jumps(mesh, best.values, groups)
-        return self._descend(best.values, [u for u, _, _ in best.states], groups, STEPS) or best
+        return self._on(best, blocks(mesh, BLOCKS[1]), STEPS, CONVEX_STEPS // 2)
+
+    def of_cells(self, found: ByCell) -> ByCell:
+        """Where a descent goes on once cells near jumps have numbers of their own."""
+        return self._on(found, divided_near_jumps(self._test.sheet.mesh, found), CONVEX_STEPS + OF_CELLS, CONVEX_STEPS)
+
+    def _on(self, found: ByCell, groups, most: int, done: int) -> ByCell:
+        """Where a descent goes on with other groups."""
+        guesses = [u for u, _, _ in found.states]
+        return self._descend(found.values, guesses, groups, most, done) or found
 
     def _cost(self, values, convex: bool):
         """(cost of the jumps, weights of their squares)."""
@@ -161,16 +168,15 @@ class CellDescent:
             convex = number < CONVEX_STEPS
             sigma = test.sigma_of(states, sigma)
             shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-            curvature, gradient = shared.normal(
-                test.answers(states, self._loads(field, states, members), sigma), residuals
-            )
+            answers = test.answers(states, self._loads(field, states, members), sigma)
+            curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
             before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
-            change = self._step(curvature, gradient, values, members, convex)
+            step = np.clip(self._step(curvature, gradient, values, members, convex), -LARGEST_STEP, LARGEST_STEP)
             moved = None
             for fraction in FRACTIONS:
-                trial = values + fraction * np.clip(change, -LARGEST_STEP, LARGEST_STEP)
+                trial = values + fraction * step[groups]
                 there = Shifted(self._of, self._columns, trial)
-                reached = test.states(there, [u for u, _, _ in states])
+                reached = test.followed(there, states, answers, fraction * step.T.ravel())
                 if reached is None:
                     continue
                 after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, convex)[0]
@@ -182,10 +188,10 @@ class CellDescent:
             values, states, field = trial, reached, there
             if moved < GAIN * before and not convex:
                 break
-        return ByCell(values, states, test.left(states))
+        return ByCell(values, states, test.left(states), groups)
 
     def _step(self, curvature, gradient, values, members, convex):
-        """Change of the numbers of all cells."""
+        """Change of the numbers of every group of cells (group, number)."""
         count = len(self._columns)
         every = scipy.sparse.block_diag([members] * count, format="csr")
         step = np.zeros(every.shape[1])
@@ -197,4 +203,4 @@ class CellDescent:
             factors = scipy.linalg.cho_factor(curvature + held + of_blocks, overwrite_a=True, check_finite=False)
             pull = np.concatenate([members.T @ (R @ column) for column in values.T])
             step = -scipy.linalg.cho_solve(factors, gradient + pull)
-        return (every @ step).reshape(count, -1).T
+        return step.reshape(count, -1).T

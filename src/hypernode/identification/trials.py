@@ -90,7 +90,8 @@ class Trials:
             steps: load steps that count.
             window, find_window, move_lines, settled: of :class:`SeenTest` and :class:`InterfaceFit`.
         """
-        descent = InterfaceFit(SeenTest(problem, steps, window), find_window, move_lines, settled)
+        edges = None if start is None else start.edges(problem, steps)
+        descent = InterfaceFit(SeenTest(problem, steps, window, edges), find_window, move_lines, settled)
         fit = descent.descend(field, [u[k] for k in steps], iterations)
         law = ", ".join(problem.basis.terms) or "neo-Hookean"
         if fit is None:

@@ -16,6 +16,9 @@ from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.law_search import OF_THICKNESS, LawSearch, translated
 from hypernode.identification.trials import NEAR, Trials
 
+#: Steps after which a law with J that leaves far more than the one without is given up.
+FEW_STEPS = 3
+
 
 def with_area(settings: Constrained) -> Constrained | None:
     """The same search through laws with J; None where they are not asked for, or where all laws have it."""
@@ -46,20 +49,13 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     problem, field = trials.problem(["J"], kept.subcells), kept.fit.field
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     materials = translated(field.materials, kept.problem, problem, begin)
-    found = trials.descend(
-        "a volume that changes",
-        kept,
-        problem,
-        field.with_law(materials),
-        kept.u,
-        steps,
-        NEAR,
-        kept.fit.window,
-        finds_window,
-    )
+    law = problem, field.with_law(materials), kept.u, steps
+    found = trials.descend("a volume that changes", kept, *law, FEW_STEPS, kept.fit.window, finds_window)
     if found is None:
         return kept
     if found.level <= NOT_MADE_OF_FEW * max(kept.level, 1.0):
+        law = problem, found.fit.field, found.u, steps
+        found = trials.descend("the same, more steps", found, *law, NEAR, found.fit.window, finds_window) or found
         found = LawSearch(trials, steps, finds_window).end(found)
     gain = found.gain_over(kept)
     best, passed = (found, kept) if gain > EVIDENCE and not kept.halves(found) else (kept, found)
