@@ -154,12 +154,12 @@ class Search:
         alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
         if alone is None:
             return None
-        beside = parting.beside(alone)
+        beside = parting.in_cells(parting.beside(alone))
         if "fibre" in trials.settings.terms:
             directed = parting.with_direction(alone)
             if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
                 beside = directed
-        kept = parting.parted(alone, parting.in_cells(beside))
+        kept = parting.parted(alone, beside)
         if kept is None or kept is alone:
             return None
         loading, u = one.problem.observations.loading, dict(kept.u)

@@ -134,8 +134,8 @@ class Parting:
         return found
 
     def in_cells(self, beside: Beside) -> Beside:
-        """A factor whose cells near jumps have numbers of their own; fibres stay those of blocks."""
-        if beside.found is None or len(beside.columns) > 1:
+        """The factor once cells near jumps have one of their own."""
+        if beside.found is None:
             return beside
         found = beside._replace(found=beside.descent.of_cells(beside.found))
         self._tell(found, "cells near jumps")
