@@ -202,6 +202,6 @@ def _check_plane(config: Config, methods: list[str], where: str) -> None:
         field = config.methods[name].constrained
         if field is None or "J" not in field.terms:
             raise ConfigError(
-                f"{where}.methods: {name} has a law of a thin sheet that keeps its volume, and the specimen says plane: "
-                "strain: take hypernode_compressible, or a method whose constrained.terms have J"
+                f"{where}.methods: {name} has a law of a thin sheet that keeps its volume, and the specimen says "
+                "plane: strain; take hypernode_compressible, or a method whose constrained.terms have J"
             )

@@ -78,9 +78,7 @@ def ratios(
     return found
 
 
-def beside_unbounded(
-    mesh: Mesh, phase: Int[np.ndarray, " cell"], found: Sequence[Ratio]
-) -> Bool[np.ndarray, " cell"]:
+def beside_unbounded(mesh: Mesh, phase: Int[np.ndarray, " cell"], found: Sequence[Ratio]) -> Bool[np.ndarray, " cell"]:
     """Cells of a phase whose stiffness has no upper bound, and those that touch one.
 
     A line between both may cut the latter, whose stiffness then has none either.
