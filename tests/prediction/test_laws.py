@@ -10,7 +10,9 @@ from hypernode.material.basis_file import basis_content
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.prediction.errors import PredictionError
 from hypernode.prediction.laws import phase_laws
-from hypernode.storage.netcdf import SYNTHETIC_UNITS
+from hypernode.stages.prediction import not_passed
+from hypernode.storage.netcdf import SYNTHETIC_UNITS, write
+from hypernode.verdict import Criterion, Level, Verdict
 from tests.evaluation.files import grid, square_mesh
 
 MESH, BASIS = square_mesh(10), ConvexBasis(("J",), 1.0)
@@ -42,3 +44,12 @@ def test_a_field_whose_cells_have_laws_of_their_own_has_none_of_a_phase():
     area = 0.7 + 0.1 * MESH.centres[:, 1]
     with pytest.raises(PredictionError, match="every cell has a material of its own"):
         phase_laws(field(-1.4, area), "sheet")
+
+
+@pytest.mark.parametrize(("level", "said"), [(Level.PASSED, 0), (Level.WARNED, 1), (Level.FAILED, 1)])
+def test_a_run_that_does_not_pass_is_named_where_its_laws_predict(tmp_path, level, said):
+    verdict = Verdict((Criterion("displacements", level, "Displacements are missed."),))
+    write(tmp_path / "evaluation.nc", {}, "evaluation", {"verdict": verdict.stored(), "units": SYNTHETIC_UNITS})
+    sentences = not_passed([tmp_path / "constrained.nc", tmp_path / "elsewhere" / "constrained.nc"])
+    assert len(sentences) == said
+    assert all("displacements" in each and "by more than their spread" in each for each in sentences)
