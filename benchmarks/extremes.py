@@ -26,6 +26,10 @@ from benchmarks.strangers.laws import stress
 from benchmarks.strangers.solve import solve
 from hypernode.config.methods import Constrained
 from hypernode.config.presets import presets
+from hypernode.data.measurement import mesh_of
+from hypernode.evaluation.ratios import ratios
+from hypernode.evaluation.spread import Samples
+from hypernode.export.fields import stiffness
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.material.files import material_of
 from hypernode.stages import constrained
@@ -111,12 +115,41 @@ def errors(name: str, folder: Path) -> dict[str, float]:
     return said
 
 
+def contrast(name: str, folder: Path) -> str:
+    """What is said of the stiffness of the second phase over that of the first, and the true ratio of moduli."""
+    extreme, found = EXTREMES[name], read(folder / "constrained.nc")
+    stretch = 1.0 + 0.1 * min(1.0, extreme.sheet.top)
+    samples = Samples.of(found, mesh_of(found).centres, "clamped_y", stretch)
+    if samples is None or "material_label" not in found:
+        return "no phases"
+    label = found["material_label"].values
+    order = np.argsort(np.argsort([np.median(samples.best[label == k]) for k in np.unique(label)]))
+    told = ratios(order[label], samples.best, samples.values)
+    mu = extreme.sheet.laws["mu"]
+    return f"{', '.join(each.words for each in told) or 'one phase'}, moduli of shear are {mu[1] / mu[0]:g} to one"
+
+
+def constants(name: str, folder: Path) -> str:
+    """Mean E and nu of small strains in every phase off interfaces, and the true ones."""
+    sheet = EXTREMES[name].sheet
+    plane, X = ("strain" if sheet.kind == "plane_strain" else "stress"), grid_of(sheet).centres
+    found = stiffness(material_of(read(folder / "constrained.nc")), X, 1.0 + sheet.top, plane)
+    laws, phase, whole = sheet.laws, sheet.weights(X).argmax(axis=1), sheet.whole(X, sheet.step / 2)
+    nu = laws["nu"] if "nu" in laws else laws["lame"] / (2.0 * (laws["lame"] + laws["mu"]))
+    told = []
+    for k, (true_nu, mu) in enumerate(zip(nu, laws["mu"], strict=True)):
+        E, ratio = (found[name][whole & (phase == k)].mean() for name in ("young_y", "poisson_y"))
+        told.append(f"E {E:.4g} of {2.0 * mu * (1.0 + true_nu):.4g}, nu {ratio:.4f} of {true_nu:.4f}")
+    return "; ".join(told)
+
+
 def main(names) -> None:
     """Make, identify and score."""
     for name in names or EXTREMES:
         folder, took = identified(name)
         told = ", ".join(f"{what} {value:.2%}" for what, value in errors(name, folder).items())
-        print(f"{name}: {told}; {took:.0f} s", flush=True)
+        answer = (contrast if EXTREMES[name].method == "field" else constants)(name, folder)
+        print(f"{name}: {told}; {answer}; {took:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

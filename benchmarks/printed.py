@@ -65,13 +65,23 @@ class Hypothesis:
 
 
 def places(mask, side: float) -> list[Hypothesis]:
-    """The sheet as printed, with the mask moved by up to 1.5 mm.
+    """The sheet as printed, with the mask moved by up to 2.5 mm.
 
     Args:
         mask: 1 in the inclusion (row, column), of a sheet of a side [mm].
     """
     pixel = side / mask.shape[1]
-    moves = [(0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.0, -1.0), (0.0, -1.5), (-0.5, -1.0)]
+    moves = [
+        (0.0, 0.0),
+        (0.5, 0.0),
+        (-0.5, 0.0),
+        (0.0, 0.5),
+        (0.0, -0.5),
+        (0.0, -1.0),
+        (0.0, -1.5),
+        (0.0, -2.0),
+        (0.0, -2.5),
+    ]
     return [
         Hypothesis(f"moved by {x:+.1f}, {y:+.1f} mm", shift(mask, (-y / pixel, x / pixel), order=0)) for x, y in moves
     ]
