@@ -33,8 +33,8 @@ def orientations(label: Int[np.ndarray, "nx ny"], down: int) -> dict[str, Int[np
 def turned(label: Int[np.ndarray, "nx ny"], predicted: Int[np.ndarray, "nx ny"], down: int) -> str:
     """The orientation of the label that fits a prediction clearly better, or "" where none does.
 
-    Only points at which it differs from the label as it is tell them apart: of a shape that is nearly its own mirror
-    image they are few, and the score hardly changes.
+    Only points at which it differs from the label as it is tell them apart. A shape that is nearly its own mirror image
+    has few of them, and its score hardly changes.
     """
     fits = {}
     for name, each in orientations(label, down).items():
