@@ -13,7 +13,7 @@ unexport PYTHONPATH
 endif
 
 .PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
-    slurm wheel pythons docs doctest release report bench profile next-test strangers family challenge peers clean
+    slurm wheel pythons docs doctest release report bench profile next-test strangers family extremes challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
 RUN := $(BIN)/snakemake $(if $(PROFILE),--profile $(PROFILE),--cores $(CORES))
@@ -154,6 +154,10 @@ strangers: $(VENV)/dev
 # Twenty sheets of one family, of which one is identified and all others are predicted: half an hour.
 family: $(VENV)/dev
 	$(BIN)/python benchmarks/family.py
+
+# Sheets at the ends of what peers publish: contrast 200 at a stretch of 2, plane strain, E and nu: six minutes.
+extremes: $(VENV)/dev
+	$(BIN)/python benchmarks/extremes.py
 
 # A rehearsal of the 2025 Mechanical MNIST Challenge on virtual sheets, by its own score: a quarter of an hour.
 challenge: $(VENV)/run

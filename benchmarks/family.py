@@ -24,13 +24,12 @@ set_up_compiler(float64=True)
 import numpy as np
 from PIL import Image
 
-from benchmarks.strangers.design import SIDE, THICKNESS, Sheet, design
+from benchmarks.measured import write_measurement
+from benchmarks.strangers.design import SIDE, Sheet, design
 from benchmarks.strangers.solve import solve
 from hypernode.config.methods import Constrained
-from hypernode.fem.mesh import rectilinear
-from hypernode.mechanics.loads import make_load
 from hypernode.stages import constrained, prediction
-from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, write
+from hypernode.storage.netcdf import read
 
 FOLDER = ROOT / ".cache" / "family"
 #: The two laws that all sheets have.
@@ -50,31 +49,7 @@ def member(seed: int) -> Sheet:
 
 def make(sheet: Sheet, folder: Path) -> None:
     """``measurement.nc``, ``shape.png`` and the true displacement of a sheet."""
-    folder.mkdir(parents=True, exist_ok=True)
-    random, equilibria = np.random.default_rng([sheet.seed, 7]), solve(sheet, LOADS)
-    line = np.linspace(0.0, SIDE, POINTS)
-    mesh = rectilinear(line, line)
-    u = equilibria.displacement(mesh.nodes)
-    force = np.full((LOADS, 4, 2), np.nan)
-    errors = sheet.force_zero + sheet.force_scatter * random.normal(size=LOADS)
-    force[:, 3, 1] = THICKNESS * ((1.0 + sheet.force_gain) * equilibria.force[:, 1] + errors * equilibria.force[-1, 1])
-    force[:, 2, 1] = -force[:, 3, 1]
-    load, held = make_load("clamped_y", 1.0 + TOP * equilibria.amount), np.zeros((LOADS, 4, 2))
-    held[:, 2:] = 1.0
-    level = np.full((LOADS, 2), NOISE)
-    variables = {
-        **{"X": mesh.nodes, "cells": mesh.cells, "corners": np.stack([mesh.lower, mesh.upper])},
-        **{"u_measured": (u + random.normal(0.0, NOISE, u.shape))[None], "u_truth": u},
-        **{"noise_level": level, "noise_scatter": level, "relative_thickness": np.ones(len(mesh.cells))},
-        **{"load_case": np.zeros(LOADS, int), "stretch": load.stretch, "H": load.H, "edge_force": force},
-        **{"relaxation": np.ones(LOADS), "edge_constrained": held},
-    }
-    attributes = {
-        **{"noise_uncertainty": 0.05, "force_uncertainty": sheet.force_scatter, "force_gain_uncertainty": 0.005},
-        **{"force_offset_uncertainty": 0.001, "correlation_window": 0.0, "thickness": THICKNESS},
-        **{"outline": "edge", "mesh": "finer", "forces": "measured", "units": EXPERIMENT_UNITS},
-    }
-    write(folder / "measurement.nc", variables, f"sheet {sheet.seed} of a family", attributes)
+    write_measurement(sheet, solve(sheet, LOADS), NOISE, folder / "measurement.nc")
     at = (np.arange(PIXELS) + 0.5) * SIDE / PIXELS
     X = np.stack(np.meshgrid(at, at[::-1]), axis=-1).reshape(-1, 2)
     second = sheet.weights(X)[:, 1].reshape(PIXELS, PIXELS)

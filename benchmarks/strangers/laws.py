@@ -82,16 +82,33 @@ LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
 }
 
 
+def plane_strain(C, p):
+    """mu / 2 (tr C - 2 - 2 ln J) + lame / 2 (ln J)^2 of a thick body whose thickness stays."""
+    log_J = jnp.log(jnp.linalg.det(C)) / 2
+    return p["mu"] / 2 * (jnp.trace(C) - 2.0 - 2.0 * log_J) + p["lame"] / 2 * log_J**2
+
+
+def linear(C, p):
+    """Hooke's law in plane stress, with the strain E = (C - I) / 2: mu E:E + mu nu / (1 - nu) (tr E)^2."""
+    E = (C - jnp.eye(2)) / 2
+    return p["mu"] * (jnp.sum(E * E) + p["nu"] / (1.0 - p["nu"]) * jnp.trace(E) ** 2)
+
+
+#: Laws of sheets that no seed stands for.
+FURTHER: dict[str, Callable] = {"plane_strain": plane_strain, "linear": linear}
+
+
 def energy(kind: str, laws: dict, F, weight):
     """Energy density of one point: that of each law [MPa], by its weight there.
 
     Args:
-        kind: key of :data:`LAWS`.
+        kind: key of :data:`LAWS` or :data:`FURTHER`.
         laws: parameter -> its value in every law (law,).
         F: in-plane deformation gradient (2, 2).
         weight: of every law (law,), summing to one.
     """
-    each = jax.vmap(partial(LAWS[kind][0], F.T @ F))(laws)
+    law = FURTHER[kind] if kind in FURTHER else LAWS[kind][0]
+    each = jax.vmap(partial(law, F.T @ F))(laws)
     # A law that is not here may be beyond its limit.
     return jnp.sum(jnp.where(weight > 0.0, weight * each, 0.0))
 

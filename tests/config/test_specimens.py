@@ -100,3 +100,11 @@ def test_a_short_series_gives_each_of_its_frames_once():
 def test_a_sheet_that_is_never_pulled_is_refused():
     with pytest.raises(DicError, match="in no frame is the sheet longer"):
         select_frames(specimen(), series([1.0, 0.99, 1.0]))
+
+
+def test_a_sheet_whose_thickness_stays_needs_a_law_whose_area_has_an_energy(tmp_path):
+    raw = {"specimens": {"thick": {"folder": str(tmp_path), **SIZES, "plane": "strain"}}}
+    with pytest.raises(ConfigError, match=r"hypernode has a law of a thin sheet.*take hypernode_compressible"):
+        check_config(raw)
+    raw["cases"] = {"thick": {"specimen": "thick", "methods": ["hypernode_compressible"]}}
+    assert check_config(raw).specimens["thick"].plane == "strain"

@@ -75,7 +75,7 @@ def test_a_good_run_passes_and_says_so_in_one_word(measurement):
     verdict = judged(measurement)
     assert verdict.label == verdict.overall == "pass"
     unjudged = [each.name for each in verdict.criteria if each.level is Level.NOT_JUDGED]
-    assert unjudged == ["refuted", "force record", "level", "other deformations", "volume"]
+    assert unjudged == ["refuted", "force record", "level", "other deformations", "volume", "contrast"]
 
 
 @pytest.mark.parametrize(("error", "level"), [(0.1, Level.PASSED), (0.5, Level.WARNED)])

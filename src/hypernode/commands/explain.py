@@ -4,6 +4,10 @@ import json
 from pathlib import Path
 
 from hypernode.errors import ExpectedError
+from hypernode.verdict import Level
+
+#: Criteria whose sentence is an answer and not a judgement.
+ANSWERS = ("contrast", "volume", "other deformations", "inclusion")
 
 
 class NothingToExplain(ExpectedError, ValueError):
@@ -31,7 +35,8 @@ def explain(arguments) -> int:
     evaluation = arguments.folder / "evaluation.nc"
     if evaluation.is_file():
         ((_, verdict),) = read_verdicts([evaluation])
-        print("\n".join(["", f"verdict: {verdict.overall}", *(f"  {each}" for each in verdict.words)]))
+        known = [each.sentence for each in verdict.criteria if each.name in ANSWERS and each.level is Level.PASSED]
+        print("\n".join(["", f"verdict: {verdict.overall}", *(f"  {each}" for each in (*verdict.words, *known))]))
     return 0
 
 

@@ -140,6 +140,8 @@ def _check_meaning(config: Config, sources: Sources) -> None:
             _check_photographed(config, case, where)
         if case.specimen and config.specimens[case.specimen].thickness_map:
             _check_thickness(config, case.methods, where)
+        if case.specimen and config.specimens[case.specimen].plane == "strain":
+            _check_plane(config, case.methods, where)
 
 
 def _check_folders(name: str, specimen: Specimen, sources: Sources) -> None:
@@ -191,4 +193,15 @@ def _check_thickness(config: Config, methods: list[str], where: str) -> None:
             raise ConfigError(
                 f"{where}.methods: {name} takes the sheet as everywhere of one thickness: leave out thickness_map, or "
                 "choose a method with a constrained field and without training"
+            )
+
+
+def _check_plane(config: Config, methods: list[str], where: str) -> None:
+    """Refuse methods whose sheet becomes thinner as its area grows, where its thickness stays."""
+    for name in methods:
+        field = config.methods[name].constrained
+        if field is None or "J" not in field.terms:
+            raise ConfigError(
+                f"{where}.methods: {name} has a law of a thin sheet that keeps its volume, and the specimen says "
+                "plane: strain; take hypernode_compressible, or a method whose constrained.terms have J"
             )

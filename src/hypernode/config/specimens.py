@@ -24,6 +24,9 @@ class Specimen(SpecimenTest):
     """Side of the sheet along y [mm]."""
     thickness: Positive
     """Thickness of the sheet [mm]: the mean one where it is not the same everywhere."""
+    plane: Literal["stress", "strain"] = "stress"
+    """What the faces of the sheet do: stress, they are free, as of a thin sheet; or strain, the thickness stays, as of
+    a thick body or one between plates. Strain needs a method with the term J, and E and nu are then those of it."""
     thickness_uncertainty: Fraction = 0.01
     """Relative standard uncertainty of the thickness, which the level of the stress follows: that of callipers on a
     soft sheet."""

@@ -119,6 +119,12 @@ def is_on_its_own_grid(measurement: xr.Dataset) -> bool:
     return measurement.attrs["mesh"] == "measured_grid"
 
 
+def plane_of(measurement: xr.Dataset) -> str:
+    """What the faces of the sheet do: ``stress`` where they are free, ``strain`` where the thickness stays."""
+    # Synthetic sheets are thin.
+    return str(measurement.attrs.get("plane", "stress"))
+
+
 def is_cut_out(measurement: xr.Dataset) -> bool:
     """Whether the grid is cut out of a larger sheet, so that its outline is no edge of the sheet."""
     return measurement.attrs["outline"] == "cut"

@@ -14,6 +14,7 @@ from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
 from hypernode.evaluation.polish import KEPT
+from hypernode.evaluation.ratios import Ratio, judge_ratios
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
@@ -65,6 +66,7 @@ def judge_run(
             judge_modes(list(doubt)),
             judge_volume(constrained, list(doubt)),
             _inclusion(summary),
+            judge_ratios([Ratio(**each) for each in summary.get("stiffness_ratios", ())]),
         )
     )
 

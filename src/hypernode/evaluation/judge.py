@@ -24,6 +24,7 @@ from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
 from hypernode.evaluation.polish import identified_gradient, score_polish
 from hypernode.evaluation.probes import indicator, stress_at_common_F
+from hypernode.evaluation.ratios import beside_unbounded, ratios
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
@@ -106,10 +107,18 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
         # Samples know the errors of the load cell, and not what is beside the points.
         beside = 0.0 if budget is None else budget.of(SHARE).level * np.abs(field)
         true_field = None if true is None else indicator(true, mesh.centres, kind, stretch)
-        judged |= score_spread(samples, true_field, np.hypot(cut, beside))
+        judged |= _of_samples(mesh, samples, found_phase, true_field, np.hypot(cut, beside))
     judged |= score_shape(mesh, field, shape, true_shape)
     places = curve_places(mesh, shape, None if true is None else true_shape)
     return judged | score_curves(found, true, places, largest, kind)
+
+
+def _of_samples(mesh, samples: Samples, phase, true, further) -> Judgement:
+    """How many times as stiff each phase is, and the spread of the stiffness where it has an upper bound."""
+    contrasts = ratios(phase, samples.best, samples.values)
+    bounded = ~beside_unbounded(mesh, phase, contrasts)
+    judged = Judgement(summary={"stiffness_ratios": [each.stored() for each in contrasts]})
+    return judged | score_spread(samples, true, further, bounded)
 
 
 def _at_both_deformations(files, found) -> Judgement:

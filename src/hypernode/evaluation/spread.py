@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.stats
 import xarray as xr
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from hypernode.evaluation.judgement import Judgement
 from hypernode.evaluation.probes import indicator, sampled_indicator
@@ -107,7 +107,10 @@ def open_share_of_lines(constrained: xr.Dataset) -> Float[np.ndarray, " cell"]:
 
 
 def score_spread(
-    samples: Samples, true: Float[np.ndarray, " cell"] | None, interfaces: Float[np.ndarray, " cell"] | float = 0.0
+    samples: Samples,
+    true: Float[np.ndarray, " cell"] | None,
+    interfaces: Float[np.ndarray, " cell"] | float = 0.0,
+    bounded: Bool[np.ndarray, " cell"] | None = None,
 ) -> Judgement:
     """Spread of the indicator of stiffness, and its coverage of the true one.
 
@@ -116,9 +119,12 @@ def score_spread(
         true: the true indicator, where it is known.
         interfaces: further uncertainty from cut cells (:func:`interface_spread`) and from the unmeasured part of the
             sheet.
+        bounded: cells whose stiffness has an upper bound, over which the spread is a mean; None for all. Of the others
+            a lower bound is all that a test tells (:mod:`~hypernode.evaluation.ratios`).
     """
     spread = np.hypot(sample_spread(samples.values), interfaces)
-    summary = {"spread": float(np.sqrt(np.mean(spread**2) / np.mean(samples.best**2)))}
+    counts = np.ones(len(spread), bool) if bounded is None else bounded
+    summary = {"spread": float(np.sqrt(np.mean(spread[counts] ** 2) / np.mean(samples.best[counts] ** 2)))}
     if true is not None:
         summary["within_two_spreads"] = coverage(samples.best - true, spread)
     return Judgement({"trace_P_spread": spread}, summary)

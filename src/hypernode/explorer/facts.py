@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from hypernode.evaluation.ratios import Ratio
 from hypernode.tables.columns import significant
 
 #: Number of a summary -> its words, and what it is multiplied by.
@@ -29,4 +30,9 @@ def fact(summary: Mapping, key: str) -> str:
     value, factor = summary.get(key), FACTS[key][1]
     if value is None:
         return ""
+    if key == "inclusion_over_matrix":
+        # The other phases are softer: of a part that may be rigid a lower bound is the answer.
+        ratios = [Ratio(**each) for each in summary.get("stiffness_ratios", ())]
+        if float(value) > 1.0 and ratios and ratios[-1].most is None:
+            return ratios[-1].words
     return str(value) if factor is None else significant(factor * float(value))

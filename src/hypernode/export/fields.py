@@ -7,6 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.data.measurement import plane_of
 from hypernode.evaluation.probes import equibiaxial_stress, preferred_direction
 from hypernode.evaluation.spread import sample_spread
 from hypernode.export.run import Run
@@ -28,8 +29,17 @@ class Field(NamedTuple):
     meaning: str
 
 
-def stiffness(material: Material, X: Float[np.ndarray, "point 2"], stretch: float) -> dict[str, np.ndarray]:
-    """Measures of stiffness at positions: the trace of P at an equibiaxial stretch, and moduli of the taut sheet."""
+def stiffness(
+    material: Material, X: Float[np.ndarray, "point 2"], stretch: float, plane: str = "stress"
+) -> dict[str, np.ndarray]:
+    """Measures of stiffness at positions: the trace of P at an equibiaxial stretch, and moduli of the taut sheet.
+
+    A small pull with free sides gives a modulus E' and a contraction nu'. In plane stress these are E and nu. In plane
+    strain nu = nu' / (1 + nu') and E = E' (1 - nu^2).
+
+    Args:
+        plane: ``stress`` or ``strain``.
+    """
     P = equibiaxial_stress(material, X, [stretch])[0]
     A = np.asarray(material.tangent(X, np.broadcast_to(TAUT * np.eye(2), (len(X), 2, 2))), float)
     xx, yy, xy, shear = A[:, 0, 0, 0, 0], A[:, 1, 1, 1, 1], A[:, 0, 0, 1, 1], A[:, 0, 1, 0, 1]
@@ -39,30 +49,46 @@ def stiffness(material: Material, X: Float[np.ndarray, "point 2"], stretch: floa
         "modulus_yy": yy,
         "modulus_xy": xy,
         "modulus_shear": shear,
-        "young_x": xx - xy**2 / yy,
-        "young_y": yy - xy**2 / xx,
+        **_engineering(xx, yy, xy, plane),
     }
+
+
+def _engineering(xx, yy, xy, plane: str) -> dict[str, np.ndarray]:
+    """E and nu of small pulls along either axis, by their name."""
+    found = {}
+    for axis, along, across in (("x", xx, yy), ("y", yy, xx)):
+        young, poisson = along - xy**2 / across, xy / across
+        if plane == "strain":
+            poisson = poisson / (1.0 + poisson)
+            young = young * (1.0 - poisson**2)
+        found |= {f"young_{axis}": young, f"poisson_{axis}": poisson}
+    return found
 
 
 def cell_fields(run: Run) -> dict[str, Field]:
     """{name: field} by cell."""
     stretch, unit = float(run.files["evaluation"].attrs["shape_stretch"]), run.material.units["stress"]
+    plane = plane_of(run.files["measurement"])
     meanings = {
         "trace_P": f"P_xX + P_yY at an equibiaxial stretch of {stretch:.4g}",
         "modulus_xx": f"dP_xX/dF_xX at an equibiaxial stretch of {TAUT}, where fibres are taut",
         "modulus_yy": "dP_yY/dF_yY there",
         "modulus_xy": "dP_xX/dF_yY there",
         "modulus_shear": "dP_xY/dF_xY there",
-        "young_x": "modulus of a small pull along x with free sides",
-        "young_y": "modulus of a small pull along y with free sides",
+        "young_x": f"Young's modulus of a small pull along x, in plane {plane}",
+        "young_y": f"Young's modulus of a small pull along y, in plane {plane}",
+        "poisson_x": f"Poisson's ratio of a small pull along x, in plane {plane}",
+        "poisson_y": f"Poisson's ratio of a small pull along y, in plane {plane}",
     }
-    found = stiffness(run.material, run.mesh.centres, stretch)
-    fields = {name: Field(found[name], unit, meaning) for name, meaning in meanings.items()}
+    units = {name: "1" if name.startswith("poisson") else unit for name in meanings}
+    found = stiffness(run.material, run.mesh.centres, stretch, plane)
+    fields = {name: Field(found[name], units[name], meaning) for name, meaning in meanings.items()}
     if run.posterior is not None:
-        samples = stiffness(run.posterior, run.sample_positions, stretch)
+        samples = stiffness(run.posterior, run.sample_positions, stretch, plane)
         for name in meanings:
             spread = sample_spread(samples[name].reshape(run.samples, -1))
-            fields[f"{name}_spread"] = Field(spread, unit, f"standard deviation of {name} over the posterior samples")
+            about = f"standard deviation of {name} over the posterior samples"
+            fields[f"{name}_spread"] = Field(spread, units[name], about)
     return fields | _fibres(run, stretch) | _parameters(run) | _findings(run)
 
 

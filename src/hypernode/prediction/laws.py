@@ -49,15 +49,18 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
         raise PredictionError(
             f"{source}: holds no laws of phases: name the run's folder, results/CASE/METHOD, or its constrained.nc"
         )
-    if "material_label" not in file:
-        raise PredictionError(
-            f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
-            "layers: true, or with fewer terms"
-        )
     basis, params = basis_field(file)
-    labels = file["material_label"].values
     names, none = [f"posterior.{name}" for name in basis.names], np.zeros((0, len(basis.names)))
     has_samples, seen = names[0] in file, domain_of(file)
+    if "material_label" not in file:
+        if np.ptp(params[1:], axis=(1, 2)).any():
+            raise PredictionError(
+                f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
+                "layers: true, or with fewer terms"
+            )
+        drawn = np.stack([file[n].values[:, 0] for n in names], axis=-1) if has_samples else none[:, None]
+        return [_of_gradual(basis, params[:, 0], drawn, source, seen)]
+    labels = file["material_label"].values
     half = 1.0 + 0.5 * (float(file["stretch"].values.max()) - 1.0)
     laws, stiffness = [], []
     for label in np.unique(labels):
@@ -69,3 +72,20 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
         stress = basis.stress(half * np.eye(2)[:, :, None], params[:, 0, cell][:, None])
         stiffness.append(float(np.linalg.norm(stress)))
     return [laws[k] for k in np.argsort(stiffness, kind="stable")]
+
+
+def _of_gradual(basis: ConvexBasis, params, drawn, source: str, seen: Domain | None) -> PhaseLaw:
+    """The one law of a sheet whose stiffness alone changes from place to place, as prints of one material do.
+
+    Its level is the median over the sheet. How levels scatter from place to place joins each sample: another sheet of
+    the material may have any of them.
+
+    Args:
+        params: parameters of every cell (parameter, cell).
+        drawn: the same of posterior samples (sample, cell, parameter).
+    """
+    best, samples = np.median(params, axis=1), np.median(drawn, axis=1)
+    if count := len(samples):
+        # As many places as there are samples, from the softest to the stiffest; samples are in no order.
+        samples[:, 0] += np.quantile(params[0], (np.arange(count) + 0.5) / count) - best[0]
+    return PhaseLaw(source=source, label=0, basis=basis, best=best, samples=samples, seen=seen)

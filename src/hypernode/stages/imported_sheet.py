@@ -61,6 +61,7 @@ def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.
         "outline": specimen.outline,
         "mesh": specimen.mesh,
         "thickness": specimen.thickness,
+        "plane": specimen.plane,
         "noise_sources": [each.noise.source for each in sheet.cases],
         "noise_uncertainty": specimen.noise_uncertainty,
         "outliers": sheet.outliers,

@@ -1,7 +1,7 @@
 """From identified laws and the test, or the plan, of another sheet to its prediction, scored, in a file."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from hypernode.prediction.predict import Prediction, predict, problem_of
 from hypernode.prediction.score import Score, score
 from hypernode.storage.netcdf import read, sha256, units_of, write
 from hypernode.storage.schema import without_truth
+from hypernode.verdict import Level, Verdict
 
 #: Cells along the longer side of a sheet that nobody has measured: as many as a usual grid of points has.
 CELLS = 48
@@ -72,12 +73,28 @@ def run(laws: Sequence[Sequence[LawFrom]], target: Target, output: Path) -> tupl
     problem = problem_of(measurement, pools)
     layout, parents = _layout(target, measurement, len(pools), problem)
     found = predict(measurement, problem, pools, layout, output.stem)
+    found = replace(found, remarks=[*found.remarks, *not_passed(files)])
     scored = score(measurement, found)
     parents = [*files, *parents, *([target.measurement] if target.measurement else [])]
     write(output, _variables(measurement, target, found), f"prediction {output.stem}", _said(
         measurement, target, pools, found, scored
     ), parents=parents)  # fmt: skip
     return found, scored
+
+
+def not_passed(paths: Iterable[Path]) -> list[str]:
+    """A sentence for every run that does not pass by its own verdict: its samples do not know what it misses."""
+    said = []
+    for path in paths:
+        evaluation = path.parent / "evaluation.nc"
+        if path.name != "constrained.nc" or not evaluation.is_file():
+            continue
+        verdict = Verdict.of(json.loads(read(evaluation).attrs["verdict"]))
+        if verdict.overall.rank > Level.PASSED.rank:
+            said.append(
+                f"{path.parent}: its verdict is {verdict.label}: its laws may be wrong by more than their spread"
+            )
+    return said
 
 
 def _same_units(measurement: xr.Dataset, files) -> None:
