@@ -76,13 +76,11 @@ def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted 
     """
     if constrained is None or "residual" not in constrained:
         return None
-    scatter = float(constrained.attrs["residual_scatter"])
-    residual = constrained["residual"].values / scatter
+    residual = constrained["residual"].values
     mesh, F = mesh_of(measurement), np.linalg.norm(measurement["H"].values, axis=(1, 2))
     if len(residual) < FEWEST or len(np.unique(measurement["load_case"].values)) > 1 or np.ptp(F) == 0.0:
         return None
-    # Where neighbours share errors, displacements scatter by less than they weigh.
-    size, cells = growth(mesh, residual, F, scatter**2)
+    size, cells = growth(mesh, residual, F, float(constrained.attrs["independent_residuals"]))
     stands_for = size * float(constrained.attrs["noise_deformation"])
     return Refuted(np.where(cells, size, 0.0), cells, np.where(cells, stands_for, 0.0))
 

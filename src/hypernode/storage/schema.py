@@ -158,7 +158,7 @@ VARIABLES = {
     "interface_distance": Variable(("interface", "node"), "1", "sides of a cell from a line, positive in its material"),
     "local_misfit": Variable(("cell",), "1", "misfit around a cell over that of the sheet or noise, what is more"),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
-    "residual": Variable(("load_step", "node", "i"), "1", "misfit of a displacement over its error"),
+    "residual": Variable(("load_step", "node", "i"), "1", "misfit of a displacement over its expected error"),
     "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of a cut cell less that of the law at its centre"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
