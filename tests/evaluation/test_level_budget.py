@@ -9,7 +9,14 @@ import xarray as xr
 
 from hypernode.data.seen_share import section_weights
 from hypernode.evaluation.equilibrium import nodal_forces
-from hypernode.evaluation.level_budget import SHARE, judge_level, level_budget, share_uncertainty, table
+from hypernode.evaluation.level_budget import (
+    SHARE,
+    judge_level,
+    level_beside_samples,
+    level_budget,
+    share_uncertainty,
+    table,
+)
 from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import rectilinear
@@ -157,6 +164,13 @@ def test_parts_add_by_squares_and_a_zero_weighs_more_in_small_forces():
     )
     assert budget.level == pytest.approx(np.sqrt(0.12**2 + 0.01**2 + 0.02**2 + 0.03**2))
     assert table(budget)[-1] == {"input": "level", "prior": None, "level": budget.level}
+
+
+def test_doubt_has_the_parts_of_the_cross_section_that_no_sample_knows():
+    stress = np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
+    assert level_beside_samples(level_budget(measured(0.6), stress)) == pytest.approx(0.02)
+    assert level_beside_samples(level_budget(measured(1.0), stress)) == pytest.approx(np.hypot(0.02, 0.005))
+    assert level_beside_samples(None) == 0.0
 
 
 def test_where_all_is_seen_the_section_is_measured_in_pixels():

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.fem.mesh import Mesh
+from hypernode.fem.mesh import EDGES, Mesh
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
@@ -69,6 +69,18 @@ def relaxation_at(measurement: xr.Dataset, time: Float[np.ndarray, " step"]) -> 
 def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2"]:
     """Measured force over thickness of an elastic sheet, NaN where not measured."""
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
+
+
+def mean_of_ends(force: Float[np.ndarray, "step edge 2"], axis: int, i: int) -> Float[np.ndarray, " step"]:
+    """Pull in direction i on the sides normal to an axis: the mean of both readings of it, or the one that is known.
+
+    The outward force at the upper side and minus that at the lower one are two readings. NaN where neither is known.
+    """
+    (lower, _), (upper, _) = (pair for pair in enumerate(EDGES.values()) if pair[1][0] == axis)
+    both = np.stack([-force[:, lower, i], force[:, upper, i]])
+    known = np.isfinite(both)
+    total, count = np.where(known, both, 0.0).sum(axis=0), known.sum(axis=0)
+    return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
 
 
 def nodal_forces(measurement: xr.Dataset) -> Float[np.ndarray, "step node 2"] | None:

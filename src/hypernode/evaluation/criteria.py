@@ -10,7 +10,7 @@ from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
-from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
+from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level, level_of
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
 from hypernode.evaluation.polish import KEPT
@@ -43,7 +43,7 @@ def judge_run(
         where: the law fails; None where nothing says so.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
-    uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
+    uncertainty = math.hypot(uncertainty, level_of(budget, SHARE))
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
     explained = judge_displacements(summary, constrained, settings)
     return Verdict(

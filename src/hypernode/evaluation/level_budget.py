@@ -27,6 +27,8 @@ from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
+#: Inputs of the cross-section. Samples of a field know the errors of the load cell alone.
+BESIDE_SAMPLES = ("thickness", "pixel size", SHARE)
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,16 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
         *(Part(key, value, value) for key, value in open_of.items()),
     ]
     return LevelBudget(tuple(parts), seen)
+
+
+def level_of(budget: LevelBudget | None, *names: str) -> float:
+    """Relative standard uncertainty of the level by some inputs together; zero without a budget."""
+    return 0.0 if budget is None else float(np.sqrt(sum(budget.of(name).level ** 2 for name in names)))
+
+
+def level_beside_samples(budget: LevelBudget | None) -> float:
+    """That by the inputs which posterior samples do not know."""
+    return level_of(budget, *BESIDE_SAMPLES)
 
 
 def _rms(measurement: xr.Dataset, name: str) -> float:

@@ -39,6 +39,10 @@ class Refuted:
     cells: Bool[np.ndarray, " cell"]
     deformation: Float[np.ndarray, " cell"]
 
+    def counts(self, settings: Settings) -> Bool[np.ndarray, " cell"]:
+        """Where it is deformation that counts for a stress."""
+        return self.deformation > settings.deformation
+
 
 def growth(
     mesh: Mesh,
@@ -90,6 +94,6 @@ def judge_refuted(found: Refuted | None, settings: Settings) -> Criterion:
     name = "refuted"
     if found is None:
         return not_judged(name, "No noise, or fewer than three steps of one load, say where the law fails.")
-    share = float((found.deformation > settings.deformation).mean())
+    share = float(found.counts(settings).mean())
     words = f"What is missed grows with the test, by more than {percent(settings.deformation)} of the deformation, in"
     return limited(name, words, share, settings.places, lambda v: f"{percent(v)} of the sheet")

@@ -183,6 +183,7 @@ VARIABLES = {
         ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
     ),
     "refuted_by": Variable(("cell",), "1", "what is missed and grows with the test, over noise; zero by chance"),
+    "refuted": Variable(("cell",), "1", "1 where that stands for deformation that counts for a stress"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),
