@@ -8,7 +8,7 @@ from benchmarks.strangers.design import MODULUS, Sheet
 
 #: Of every sheet unless its study says otherwise: strain, grid and noise of a good camera, a load cell of class 0.5.
 USUAL = {
-    **{"shape": "none", "kind": "neo_hookean", "load": "clamped_y", "top": 0.25, "across": 1.0, "points": 33},
+    **{"shape": "none", "kind": "neo_hookean", "load": "clamped_y", "top": 0.25, "across": 1.0, "points": 25},
     **{"seen": 1.0, "window": 0.0, "noise": 0.02, "step_pixels": 20.0},
     **{"force_scatter": 0.002, "force_gain": 0.0, "force_zero": 0.0},
 }
@@ -56,7 +56,7 @@ def _records() -> dict[str, Sheet]:
             for late in LATE:
                 name = f"{kind}_preload_{100 * preload:g}_late_{late}"
                 # Points at the very edge of a stretched sheet would lie beside it at rest.
-                changed = {"kind": kind, "preload": preload, "late": late, "window": 1.5, "points": 25}
+                changed = {"kind": kind, "preload": preload, "late": late, "window": 1.5}
                 found[name] = _sheet(len(found) + 101, further=further, **changed)
     return found
 
@@ -67,7 +67,7 @@ def _laws() -> dict[str, Sheet]:
     for says, kinds in (("right", RIGHT), ("wrong", WRONG)):
         for kind, further in kinds.items():
             for repeat in range(REPEATS):
-                changed = {"kind": kind, "shape": "disc", "points": 25}
+                changed = {"kind": kind, "shape": "disc"}
                 found[f"{says}_{kind}_{repeat + 1}"] = _sheet(len(found) + 201, 2.0, further, **changed)
     return found
 
