@@ -96,13 +96,13 @@ def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
 
 
 #: What of a record leaves the force of each step open, beside what is stated.
-FORCE_OPEN = ("force_pairing_uncertainty", "force_relaxation_uncertainty")
+PAIRING_OPEN, RELAXATION_OPEN = "force_pairing_uncertainty", "force_relaxation_uncertainty"
 
 
 def force_uncertainty(measurement: xr.Dataset) -> Float[np.ndarray, " step"]:
     """Relative uncertainty of the forces of every step: what is stated, and what pairing and relaxation leave open."""
     total = np.full(measurement.sizes["load_step"], float(measurement.attrs["force_uncertainty"]))
-    for name in FORCE_OPEN:
+    for name in (PAIRING_OPEN, RELAXATION_OPEN):
         if name in measurement:
             total = np.hypot(total, measurement[name].values)
     return total
