@@ -38,7 +38,8 @@ def main(study: str, name: str, folder: Path, changed: dict) -> None:
         write_truth(sheet, equilibria, truth)
         (folder / "made").touch()
     config = yaml.safe_load((brought / "sheet.yaml").read_text())
-    config["specimens"]["sheet"] |= changed
+    # An import asks what a force at the first picture is.
+    config["specimens"]["sheet"] |= ({"force_offset": 0.0} if sheet.preload else {}) | changed
     config["cases"] = {"sheet": {"specimen": "sheet", "methods": [METHOD]}}
     (brought / "study.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
     run = Path("results") / "sheet" / METHOD

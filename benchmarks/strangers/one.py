@@ -91,10 +91,11 @@ def version() -> str:
 
 
 def reason(log: Path) -> str:
-    """The last line of a log that names an error, or its last line."""
+    """What a job said of its error, or the last line of a log that names one, or its last line."""
     lines = [line.strip() for line in log.read_text(errors="replace").splitlines() if line.strip()]
+    told = [line for line in lines if line.startswith("error in ")]
     named = [line for line in lines if "Error" in line and not line.startswith(("Error in rule", "RuleException"))]
-    return (named or lines or ["the workflow said nothing"])[-1][:300]
+    return (told or named or lines or ["the workflow said nothing"])[-1][:300]
 
 
 if __name__ == "__main__":
