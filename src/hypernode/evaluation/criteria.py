@@ -8,18 +8,17 @@ import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.compression import judge_compression
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level, level_of
 from hypernode.evaluation.limits import limited, not_judged, percent
-from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
+from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
-#: Contrast that is seen of a fiftieth of a sheet over that of a fifth: scatter is told, the root of p (1 - p) times it.
-SMALL = math.sqrt((TYPICAL_SHARE * (1.0 - TYPICAL_SHARE)) / (0.02 * 0.98))
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
@@ -64,6 +63,7 @@ def judge_run(
             judge_level(budget, settings.level),
             judge_modes(list(doubt)),
             judge_volume(constrained, list(doubt)),
+            judge_compression(summary),
             _inclusion(summary),
         )
     )
@@ -188,6 +188,7 @@ def _inclusion(summary) -> Criterion:
     else:
         contrast = summary["detectable_contrast"]
         visible = f"contrasts above {percent(contrast)} would have been seen of a fifth of the sheet"
-        visible += f", and above {percent(contrast * SMALL)} of a fiftieth"
+        if "smallest_phase" in summary:
+            visible += f", and a phase twice as stiff from {percent(summary['smallest_phase'])} of it on"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

@@ -14,6 +14,7 @@ from hypernode.data.measurement import (
     mesh_of,
     noise_of_steps,
 )
+from hypernode.evaluation.compression import score_compression
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
@@ -124,6 +125,7 @@ def _at_both_deformations(files, found) -> Judgement:
         # A cell that a line cuts is of two layers; the material knows the one at its centre.
         stresses["identified"] = stresses["identified"] + files["constrained"]["P_jump"].values
     judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])
+    judged |= score_compression(deformations["identified"], stresses["identified"])
     for key, F in deformations.items():
         judged |= score_equilibrium(mesh, loading, measurement, F, stresses[key], key)
     if "F_truth" in measurement:
