@@ -108,8 +108,7 @@ def observe(
 ) -> Observations:
     """The observations of an opened measurement.
 
-    Where the grid is cut out of a larger sheet, its outline is no edge of the sheet. The measured displacement then
-    prescribes it all round, and no traction there is assumed to vanish.
+    Of a grid that is cut out of a larger sheet, the measured displacement prescribes the outline all round.
 
     Args:
         subcells: rows and columns into which every measured cell is divided.
