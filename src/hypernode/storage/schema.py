@@ -179,9 +179,7 @@ VARIABLES = {
     "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
-    "trace_P_spread": Variable(
-        ("cell",), "stress", "its standard deviation, by samples and where interfaces cut cells"
-    ),
+    "trace_P_spread": Variable(("cell",), "stress", "its standard deviation, by samples and in cut cells"),
     "refuted_by": Variable(("cell",), "1", "what is missed and grows with the test, over noise; zero by chance"),
     "refuted": Variable(("cell",), "1", "1 where that stands for deformation that counts for a stress"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
