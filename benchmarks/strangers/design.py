@@ -15,6 +15,8 @@ MODULUS = 0.4
 CONTRAST, TOP, NOISE = (1.15, 6.0), (0.1, 0.3), (0.008, 0.06)
 #: Shape -> how often it comes.
 SHAPES = {"islands": 0.35, "strokes": 0.2, "discs": 0.25, "slope": 0.1, "none": 0.1}
+#: Radius of the disc and width of the stripe that no seed draws, over the side.
+DISC, STRIPE = 0.2, 0.2
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Sheet:
         step_pixels: pixels from one point to the next.
         force_scatter, force_zero: scatter and zero of the load cell, over the last force.
         force_gain: its relative error that all forces share.
+        preload: mean strain along y that the sheet has in the first picture.
+        late: frames by which the clock of the record is late.
     """
 
     seed: int
@@ -49,6 +53,8 @@ class Sheet:
     force_scatter: float
     force_gain: float
     force_zero: float
+    preload: float = 0.0
+    late: float = 0.0
 
     @property
     def phases(self) -> int:
@@ -186,4 +192,22 @@ def _slope(rng, phases):
     return share
 
 
-_DRAWN = {"islands": _islands, "strokes": _strokes, "discs": _discs, "slope": _slope, "none": _nowhere}
+def _disc(rng, phases):
+    """One disc in the middle."""
+    return lambda x: (((x - 0.5) ** 2).sum(axis=1) < DISC**2).astype(int)
+
+
+def _stripe(rng, phases):
+    """One stripe along y in the middle."""
+    return lambda x: (np.abs(x[:, 0] - 0.5) < STRIPE / 2).astype(int)
+
+
+_DRAWN = {
+    "disc": _disc,
+    "stripe": _stripe,
+    "islands": _islands,
+    "strokes": _strokes,
+    "discs": _discs,
+    "slope": _slope,
+    "none": _nowhere,
+}

@@ -70,6 +70,36 @@ def gent(C, p):
     return jnp.where(used < _LOCKED, -p["mu"] * p["J"] / 2 * jnp.log1p(-inside), jnp.inf)
 
 
+def fung(C, p):
+    """mu / 2 (exp(Q) - 1), Q = a1 E11^2 + a2 E22^2 + 2 a3 E11 E22 + a4 E12^2 of Green's strain in axes at an angle.
+
+    Such laws are fitted to membranes of tissue. Beside them a hundredth of a neo-Hookean sheet keeps the equations
+    solvable where a corner is compressed.
+    """
+    along = jnp.array([jnp.cos(p["angle"]), jnp.sin(p["angle"])])
+    across = jnp.array([-along[1], along[0]])
+    E = (C - jnp.eye(2)) / 2
+    one, two, both = along @ E @ along, across @ E @ across, along @ E @ across
+    Q = p["a1"] * one**2 + p["a2"] * two**2 + 2.0 * p["a3"] * one * two + p["a4"] * both**2
+    return p["mu"] / 2 * jnp.expm1(Q) + 0.01 * neo_hookean(C, p)
+
+
+def crossed(C, p):
+    """mu / 2 (I1 - 3) and two unlike families of fibres, of strengths k1 k1 / 2, 100 degrees apart."""
+    found = neo_hookean(C, p)
+    for strength, angle in ((1.0, p["angle"]), (0.5, p["angle"] + jnp.deg2rad(100.0))):
+        fibre = jnp.array([jnp.cos(angle), jnp.sin(angle)])
+        E = jnp.maximum(fibre @ C @ fibre - 1.0, 0.0)
+        found += strength * p["mu"] * p["k1"] / (2.0 * p["k2"]) * jnp.expm1(p["k2"] * E**2)
+    return found
+
+
+def softening(C, p):
+    """mu n / (2 power) ((1 + (I1 - 3) / n)^power - 1): chains that give way; with a power below one half not convex."""
+    E = _invariants(C)[0] - 3.0
+    return p["mu"] * p["n"] / (2.0 * p["power"]) * ((1.0 + E / p["n"]) ** p["power"] - 1.0)
+
+
 #: Kind -> (energy, bounds between which its parameters besides mu are drawn).
 LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
     "neo_hookean": (neo_hookean, {}),
@@ -80,6 +110,9 @@ LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
     "arruda_boyce": (arruda_boyce, {"N": (2.0, 6.0)}),
     "gent": (gent, {"J": (2.5, 6.0)}),
 }
+
+#: Laws that seeds do not draw, since no sum of convex isotropic terms and one family of fibres comes near.
+WRONG: dict[str, Callable] = {"fung": fung, "crossed": crossed, "softening": softening}
 
 
 def plane_strain(C, p):
@@ -102,12 +135,13 @@ def energy(kind: str, laws: dict, F, weight):
     """Energy density of one point: that of each law [MPa], by its weight there.
 
     Args:
-        kind: key of :data:`LAWS` or :data:`FURTHER`.
+        kind: key of :data:`LAWS`, :data:`WRONG` or :data:`FURTHER`.
         laws: parameter -> its value in every law (law,).
         F: in-plane deformation gradient (2, 2).
         weight: of every law (law,), summing to one.
     """
-    law = FURTHER[kind] if kind in FURTHER else LAWS[kind][0]
+    others = WRONG | FURTHER
+    law = others[kind] if kind in others else LAWS[kind][0]
     each = jax.vmap(partial(law, F.T @ F))(laws)
     # A law that is not here may be beyond its limit.
     return jnp.sum(jnp.where(weight > 0.0, weight * each, 0.0))

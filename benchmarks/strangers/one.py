@@ -43,28 +43,34 @@ def main(seed: int, folder: Path) -> None:
         write_test(sheet, equilibria, brought)
         write_truth(sheet, equilibria, truth)
         made.touch()
-    code, took = _identified(brought)
+    code, took = identified(brought, "sheet.yaml")
     run = brought / "results" / "sheet" / METHOD
     if not (run / "evaluation.nc").is_file():
-        raise Failed(_reason(folder / "brought" / "workflow.log"))
+        raise Failed(reason(brought / "workflow.log"))
     known = {
-        "code": _version(),
+        "code": version(),
         **{"seed": seed, "shape": sheet.shape, "law": sheet.kind, "load": sheet.load, "laws": sheet.phases},
         **{"points": sheet.points, "top": sheet.top, "seen": sheet.seen, "window": sheet.window, "noise": sheet.noise},
     }
     found = score(run, truth) | took
     # A material may be there where a page that shows it is not.
-    found["error"] = "" if code == 0 else _reason(brought / "workflow.log")
+    found["error"] = "" if code == 0 else reason(brought / "workflow.log")
     found["steps"] = seconds_of_steps(brought / "results")
     (folder / "score.json").write_text(json.dumps(known | found, indent=1) + "\n")
 
 
-def _identified(brought: Path) -> tuple[int, dict]:
-    """(exit code of the workflow on one core, its seconds by processor and clock)."""
+def identified(brought: Path, config: str, *targets: str) -> tuple[int, dict]:
+    """(exit code of the workflow on one core, its seconds by processor and clock).
+
+    Args:
+        brought: folder that it runs in.
+        config: name of the configuration there.
+        targets: files to make; all where none is named.
+    """
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "1"]
     command += ["--workflow-profile", str(ROOT / "profiles" / "default"), "--quiet", "rules", "host", "reason"]
     # A study that was killed leaves a lock and half a file; nobody else works in this folder.
-    command += ["--nolock", "--rerun-incomplete", "--configfile", "sheet.yaml"]
+    command += ["--nolock", "--rerun-incomplete", "--configfile", config, "--", *targets]
     source = os.pathsep.join([str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])
     before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     with (brought / "workflow.log").open("w") as log:
@@ -76,7 +82,7 @@ def _identified(brought: Path) -> tuple[int, dict]:
     return done.returncode, {"cpu_s": cpu, "clock_s": time.perf_counter() - begun}
 
 
-def _version() -> str:
+def version() -> str:
     """One text for the package's code and how a sheet is made and scored."""
     digest = hashlib.sha256()
     for file in sorted([*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.yaml"), *Path(__file__).parent.glob("*.py")]):
@@ -84,11 +90,12 @@ def _version() -> str:
     return digest.hexdigest()[:12]
 
 
-def _reason(log: Path) -> str:
-    """The last line of a log that names an error, or its last line."""
+def reason(log: Path) -> str:
+    """What a job said of its error, or the last line of a log that names one, or its last line."""
     lines = [line.strip() for line in log.read_text(errors="replace").splitlines() if line.strip()]
+    told = [line for line in lines if line.startswith("error in ")]
     named = [line for line in lines if "Error" in line and not line.startswith(("Error in rule", "RuleException"))]
-    return (named or lines or ["the workflow said nothing"])[-1][:300]
+    return (told or named or lines or ["the workflow said nothing"])[-1][:300]
 
 
 if __name__ == "__main__":

@@ -15,6 +15,8 @@ from benchmarks.strangers.solve import Equilibria
 PARTS = 4
 #: Pictures of a test, pictures and rows of the record in a second.
 FRAMES, RATE, ROWS = 25, 5.0, 20.0
+#: Fixed-point passes to where a point of the first picture lies at rest: each leaves a preload's share of the error.
+PASSES = 5
 #: Shares of the largest strain at which laws are compared in :data:`MODES`.
 PROBED = (0.4, 0.8)
 #: Deformations that all points of a sheet undergo, by their stretch.
@@ -52,13 +54,13 @@ def write_test(sheet: Sheet, equilibria: Equilibria, folder: Path) -> None:
     test = folder / "test"
     test.mkdir(parents=True, exist_ok=True)
     fine = _grid(np.linspace(0.0, SIDE, PARTS * (sheet.points - 1) + 1))
-    u = equilibria.displacement(fine.reshape(-1, 2)).reshape(-1, *fine.shape)
-    seen = _through(sheet, u)
-    course = CubicSpline(np.r_[0.0, equilibria.amount], np.concatenate([0.0 * seen[:1], seen]))
+    first = sheet.preload / sheet.top
+    course = CubicSpline(*_from_rest(equilibria.amount, _through(sheet, _moved(equilibria, fine, first))))
+    reference = course(first)
     pixel = sheet.step / sheet.step_pixels
     share = (_window(sheet) ** 2).sum()
     for frame in range(FRAMES):
-        shown = course(frame / (FRAMES - 1)) / pixel
+        shown = (course(first + (1.0 - first) * frame / (FRAMES - 1)) - reference) / pixel
         if frame:
             # Subsets that overlap share the pixels from which their errors are.
             shown = shown + sheet.noise / share * _through(sheet, rng.normal(size=fine.shape))
@@ -78,6 +80,25 @@ def write_test(sheet: Sheet, equilibria: Equilibria, folder: Path) -> None:
     (folder / "sheet.yaml").write_text(yaml.safe_dump({"specimens": {"sheet": specimen}}, sort_keys=False))
 
 
+def _from_rest(amount, values):
+    """(amounts, values) of loads with that at rest, which is zero."""
+    return np.r_[0.0, amount], np.concatenate([0.0 * values[:1], values])
+
+
+def _moved(equilibria: Equilibria, shown, first: float) -> np.ndarray:
+    """Displacement from rest (load, row, column, 2) of what lies at positions of the first picture.
+
+    Args:
+        shown: positions (row, column, 2) [mm].
+        first: share of the largest load that the first picture has.
+    """
+    rest = shown
+    for _ in range(PASSES if first else 1):
+        u = equilibria.displacement(rest.reshape(-1, 2)).reshape(-1, *shown.shape)
+        rest = shown - CubicSpline(*_from_rest(equilibria.amount, u))(first)
+    return u
+
+
 def _write_frame(sheet: Sheet, shown, file: Path) -> None:
     """One frame in pixels, y downward, row by row from the top."""
     count = len(shown)
@@ -92,11 +113,12 @@ def _write_record(sheet: Sheet, equilibria: Equilibria, rng, file: Path) -> None
     """Time and force along the axes that pull."""
     axes = (0, 1) if sheet.load == "biaxial" else (1,)
     names, units = (["Force x", "Force y"], ["(N)", "(N)"]) if len(axes) == 2 else (["Force"], ["(N)"])
-    force = THICKNESS * np.concatenate([np.zeros((1, 2)), equilibria.force])[:, axes]
-    course = CubicSpline(np.r_[0.0, equilibria.amount], force)
+    force = THICKNESS * equilibria.force[:, axes]
+    course, first = CubicSpline(*_from_rest(equilibria.amount, force)), sheet.preload / sheet.top
     time = np.arange(0.0, (FRAMES - 1) / RATE + 0.1, 1.0 / ROWS)
     errors = sheet.force_zero + sheet.force_scatter * rng.normal(size=(len(time), len(axes)))
-    measured = (1.0 + sheet.force_gain) * course(time * RATE / (FRAMES - 1)) + errors * force[-1]
+    pulled = np.maximum(time * RATE - sheet.late, 0.0) / (FRAMES - 1)
+    measured = (1.0 + sheet.force_gain) * course(first + (1.0 - first) * pulled) + errors * force[-1]
     rows = [",".join(f"{value:.6f}" for value in (t, *each)) for t, each in zip(time, measured, strict=True)]
     file.write_text("\n".join([",".join(["Time", *names]), ",".join(["(s)", *units]), *rows]) + "\n")
 

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from benchmarks.level import designs
 from benchmarks.strangers.design import SIDE, THICKNESS, Sheet, design
-from benchmarks.strangers.laws import LAWS, stress
+from benchmarks.strangers.laws import LAWS, WRONG, stress
 from benchmarks.strangers.report import draw, notes, table_of
 from benchmarks.strangers.score import relative_error, score
 from benchmarks.strangers.solve import solve
@@ -48,6 +49,14 @@ def test_stress_vanishes_at_rest_and_the_shear_modulus_is_the_one_that_is_stated
     assert sheared[0, 1] == pytest.approx(MU * chain * small, rel=1e-3)
 
 
+@pytest.mark.parametrize("kind", WRONG)
+def test_laws_that_no_basis_has_are_free_of_stress_at_rest_and_carry_a_pull(kind):
+    laws = {"mu": np.array([MU])} | {name: np.array([value]) for name, value in designs.WRONG[kind].items()}
+    rest, pulled = stress(kind, laws, np.array([np.eye(2), np.diag([1.0, 1.2])]), np.ones((2, 1)))
+    np.testing.assert_allclose(rest, 0.0, atol=1e-12)
+    assert pulled[1, 1] > 0.05 * MU
+
+
 CHAIN = list(enumerate((1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750), start=1))
 
 
@@ -72,6 +81,25 @@ def test_a_clamped_sheet_of_two_materials_balances_its_ends(tmp_path):
         F = np.eye(2) + np.stack(moved, axis=-1)
         forces.append(stress(sheet.kind, laws, F, sheet.weights(X))[:, 1, 1].mean() * SIDE)
     np.testing.assert_allclose(forces, found.force[-1, 1], rtol=0.01)
+
+
+def test_a_sheet_that_is_stretched_in_the_first_picture_moves_from_there_and_its_record_begins_with_a_force(
+    plain, tmp_path
+):
+    sheet = dataclasses.replace(PLAIN, preload=0.02, late=2.0)
+    write_test(sheet, plain, tmp_path)
+    record = np.loadtxt(tmp_path / "test" / "force_disp.csv", delimiter=",", skiprows=2)
+    first = nominal(1.02, 1.016) * SIDE * THICKNESS
+    # Two frames of a clock that is late are eight rows of the record.
+    np.testing.assert_allclose(record[:9, 2], first, rtol=5e-3)
+    assert record[9, 2] > 1.05 * first
+    _, y, _, v = np.loadtxt(tmp_path / "test" / "sheet_025.csv", delimiter=";", skiprows=1).T
+    height = (y.max() - y) / sheet.step_pixels * sheet.step
+    # Where the first picture shows a point, it lay at a height of that over 1.02 at rest; beyond the sheet is nothing.
+    inside = height < 0.95 * SIDE
+    np.testing.assert_allclose(
+        -v[inside] / sheet.step_pixels * sheet.step, height[inside] * (1.2 / 1.02 - 1.0), atol=5e-3
+    )
 
 
 def test_files_say_what_was_solved(plain, tmp_path, monkeypatch):

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from hypernode.data.boundary import prescribed_displacement, roughness, smoothed
+from hypernode.data import smoothing
+from hypernode.data.boundary import prescribed_displacement
+from hypernode.data.smoothing import roughness, smoothed
 from hypernode.fem.mesh import rectilinear
 
 NOISE = 1e-3
@@ -34,6 +36,35 @@ def test_smoothed_values_miss_the_true_ones_by_what_their_errors_say(shape):
         said.append(np.mean(np.sum(errors**2, axis=1)))
     assert np.mean(missed) == pytest.approx(np.mean(said), rel=0.25)
     assert np.mean(missed) < 0.25 * NOISE**2
+
+
+@pytest.mark.parametrize("place", [0.37, 0.55])
+def test_where_an_interface_crosses_an_edge_its_kink_stays_and_errors_say_how_well_it_is_known(place):
+    """One weight of roughness for the whole edge misses such a kink by 1.2 of the noise, and says half of that."""
+    rng = np.random.default_rng(4)
+    true = 0.25 * X - 0.2 * np.maximum(X - place, 0.0)
+    near, missed, said = np.abs(X - place) < 0.06, [], []
+    for _ in range(60):
+        values, errors = smoothed(X, true + rng.normal(0.0, 0.3 * NOISE, X.shape), 0.3 * NOISE)
+        missed.append((values - true) ** 2)
+        said.append(np.sum(errors**2, axis=1))
+    missed, said = np.mean(missed, axis=0) / (0.3 * NOISE) ** 2, np.mean(said, axis=0) / (0.3 * NOISE) ** 2
+    assert missed.mean() < 0.2 and missed[near].mean() < 0.6
+    assert missed[near].mean() < 1.5**2 * said[near].mean()
+
+
+def test_a_smooth_edge_has_no_kink(monkeypatch):
+    rng = np.random.default_rng(5)
+    for true in (*SHAPES.values(), 0.1 * X + 0.06 * np.tanh(6.0 * (X - 0.5))):
+        for _ in range(20):
+            measured = true + rng.normal(0.0, NOISE, X.shape)
+            values, _ = smoothed(X, measured, NOISE)
+            with monkeypatch.context() as without:
+                without.setattr(smoothing, "MOST", 0)
+                smoothing._smoothed.cache_clear()
+                plain, _ = smoothed(X, measured, NOISE)
+            smoothing._smoothed.cache_clear()
+            assert np.array_equal(values, plain)
 
 
 def test_without_noise_an_edge_is_taken_as_it_is():

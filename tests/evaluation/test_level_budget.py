@@ -9,7 +9,14 @@ import xarray as xr
 
 from hypernode.data.seen_share import section_weights
 from hypernode.evaluation.equilibrium import nodal_forces
-from hypernode.evaluation.level_budget import SHARE, judge_level, level_budget, share_uncertainty, table
+from hypernode.evaluation.level_budget import (
+    SHARE,
+    judge_level,
+    level_beside_samples,
+    level_budget,
+    share_uncertainty,
+    table,
+)
 from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import rectilinear
@@ -129,6 +136,7 @@ def measured(share, **attributes):
             "thickness": 1.0,
             "outline": "cut",
             "forces": "measured",
+            "force_uncertainty": 0.01,
             "force_gain_uncertainty": 0.01,
             "force_offset_uncertainty": 0.08,
             "thickness_uncertainty": 0.02,
@@ -157,6 +165,23 @@ def test_parts_add_by_squares_and_a_zero_weighs_more_in_small_forces():
     )
     assert budget.level == pytest.approx(np.sqrt(0.12**2 + 0.01**2 + 0.02**2 + 0.03**2))
     assert table(budget)[-1] == {"input": "level", "prior": None, "level": budget.level}
+
+
+def test_steps_whose_force_is_open_tell_less_of_the_level():
+    stress = np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
+    record = measured(0.6).assign(force_pairing_uncertainty=("load_step", np.array([1.0, 0.1])))
+    record["force_relaxation_uncertainty"][:] = 0.0
+    parts = {part.name: part.level for part in level_budget(record, stress).parts}
+    # The first step weighs a hundredth of the second: 0.11, and not the 0.71 of their root mean square.
+    assert parts["pairing"] == pytest.approx(0.109, abs=0.002)
+    assert parts["zero"] == pytest.approx(0.08 * (0.01 * 2.0 + 0.99), rel=0.01)
+
+
+def test_doubt_has_the_parts_of_the_cross_section_that_no_sample_knows():
+    stress = np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
+    assert level_beside_samples(level_budget(measured(0.6), stress)) == pytest.approx(0.02)
+    assert level_beside_samples(level_budget(measured(1.0), stress)) == pytest.approx(np.hypot(0.02, 0.005))
+    assert level_beside_samples(None) == 0.0
 
 
 def test_where_all_is_seen_the_section_is_measured_in_pixels():

@@ -68,6 +68,17 @@ def test_the_contrast_of_a_fifth_of_the_sheet_that_is_said_to_be_detectable_is()
         assert judged.summary["inclusion"] == wanted
 
 
+@pytest.mark.parametrize(("scale", "block", "smaller"), [(1.0, (2, 2), (1, 1)), (6.0, (3, 4), (2, 3))])
+def test_the_smallest_phase_that_is_said_to_be_distinguishable_is(scale, block, smaller):
+    deviations = scale * contrasted(0.0)[1]
+    said = score_phases(MESH, np.ones(CELLS), deviations, noisy=True).summary["smallest_phase"]
+    assert np.prod(smaller) / CELLS < said <= np.prod(block) / CELLS
+    for (rows, columns), wanted in ((block, SEEN), (smaller, NONE)):
+        phase = np.zeros((20, 20))
+        phase[6 : 6 + rows, 9 : 9 + columns] = 1.0
+        assert score_phases(MESH, 1.0 + phase.ravel(), deviations, noisy=True).summary["inclusion"] == wanted
+
+
 def test_wild_single_cells_neither_make_nor_hide_an_inclusion():
     rng = np.random.default_rng(1)
     wild = np.arange(CELLS).reshape(20, 20)[2:18:5, 3:18:5].ravel()

@@ -1,6 +1,8 @@
 """The page that results are entered by: every run with its verdict, every link leads somewhere, nothing is loaded."""
 
+import gc
 import re
+import weakref
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -99,6 +101,23 @@ def test_it_says_what_was_run_and_loads_nothing(folder):
     assert not {"script", "img", "iframe", "object"} & set(Parsed(text).tags)
     assert "http" not in re.sub(r"http-equiv", "", text)
     assert text.index("The sheet") < text.index("How good it is"), "topics stand in the order in which results are made"
+
+
+def test_where_a_law_fails_only_cells_that_the_criterion_counts_are_drawn_and_no_run_is_kept():
+    mesh, alive = square_mesh(2), []
+
+    def runs():
+        for method, counted in (("good", 0), ("doubtful", 1)):
+            each = evaluation(mesh, "pass", method)
+            cells = (np.arange(4) < counted).astype(np.int8)
+            each = each.assign(refuted=("cell", cells), refuted_by=("cell", np.ones(4)))
+            alive.append(weakref.ref(each))
+            yield each
+
+    text = first_page(runs(), {"abc123": 2}, SETTINGS)
+    assert "half/doubtful: 25 % of the sheet" in text and text.count("<figure>") == 1
+    gc.collect()
+    assert not any(each() for each in alive)
 
 
 def test_rules_of_the_workflow_all_have_a_topic_and_the_configuration_all_its_figures():

@@ -35,24 +35,31 @@ def test_the_stiffness_is_the_trace_of_the_equibiaxial_stress(files, maps):
     assert maps["stiffness"].values[0] == pytest.approx(np.trace(P, axis1=1, axis2=2), rel=1e-6)
 
 
-def test_misfits_are_in_units_of_the_noise_and_lost_points_count_nothing(files):
-    mesh = square_mesh(CELLS)
-    u = displacement(mesh)
+def misfit_of(files):
+    return next(each for each in maps_of(files, material_of(files["truth"]), None) if each.key == "misfit").values
+
+
+def test_misfits_are_those_that_the_field_weighs_and_lost_points_count_nothing(files):
+    residual = np.full(files["constrained"]["u"].shape, 3.0)
+    residual[0, 0, 0] = np.nan
+    residual[1] = np.nan
+    weighed = files["constrained"].assign(residual=(files["constrained"]["u"].dims, residual))
+    misfit = misfit_of(files | {"constrained": weighed})
+    assert misfit[[0, 2]] == pytest.approx(np.full((2, CELLS**2), 3.0))
+    assert np.isnan(misfit[1]).all()
+
+
+def test_misfits_of_a_field_that_weighs_none_are_lengths(files):
+    u = displacement(square_mesh(CELLS))
     lost = u[None].copy()
-    lost[0, 0, 0] = np.nan
     lost[0, 1] = np.nan
     fields = files | {
         "measurement": files["measurement"].assign(u_measured=(files["measurement"]["u_measured"].dims, lost)),
         "constrained": files["constrained"].assign(u=(files["constrained"]["u"].dims, u + 3.0 * NOISE)),
     }
-    true = material_of(files["truth"])
-    misfit = next(each for each in maps_of(fields, true, None) if each.key == "misfit")
-    assert misfit.values[[0, 2]] == pytest.approx(np.full((2, CELLS**2), 3.0))
-    assert np.isnan(misfit.values[1]).all()
-    quiet = files["measurement"].assign(noise_scatter=0.0 * files["measurement"]["noise_scatter"])
-    misfit = next(each for each in maps_of(fields | {"measurement": quiet}, true, None) if each.key == "misfit")
-    # The length of both components.
-    assert misfit.values[0] == pytest.approx(np.full(CELLS**2, 3.0 * NOISE * np.sqrt(2.0)))
+    misfit = misfit_of(fields)
+    assert misfit[0] == pytest.approx(np.full(CELLS**2, 3.0 * NOISE * np.sqrt(2.0)))
+    assert np.isnan(misfit[1]).all()
 
 
 def test_the_spread_is_a_share_of_the_stiffness(maps):

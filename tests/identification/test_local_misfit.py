@@ -1,5 +1,6 @@
 """Where displacements are not explained is said, and chance makes no such place."""
 
+import copy
 import dataclasses
 
 import numpy as np
@@ -46,6 +47,17 @@ def test_around_a_cell_are_the_nodes_of_the_cells_that_touch_it():
 def test_noise_makes_no_place_that_is_not_explained(found):
     alarms = [missed_by(found, drawn(seed)).unexplained.any() for seed in range(150)]
     assert sum(alarms) <= 2, "one in seven hundred is expected"
+
+
+def test_every_residual_is_over_the_error_that_is_expected_there(found):
+    expected = found.problem.observations.expected * np.where(np.arange(169) % 2, 0.5, 1.0)[:, None]
+    observations = dataclasses.replace(found.problem.observations, expected=expected)
+    problem = copy.copy(found.problem)
+    problem.observations = observations
+    objective = dataclasses.replace(found.objective, problem=problem)
+    missed = missed_by(dataclasses.replace(found, objective=objective), drawn(2)).residuals
+    assert np.nanstd(missed[:, ::2]) == pytest.approx(1.0, abs=0.15)
+    assert np.nanstd(missed[:, 1::2]) == pytest.approx(2.0, abs=0.3)
 
 
 def test_a_place_that_is_missed_is_found_where_it_is_although_the_mean_hides_it(found):

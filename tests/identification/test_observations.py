@@ -152,3 +152,10 @@ def test_an_error_of_the_window_that_nothing_shares_counts_once():
     shared, _ = of_a_kink(0.25)
     alone, _ = of_a_kink(0.25, NoiseSource.INDEPENDENT)
     assert alone.scatter == pytest.approx(1.0) and shared.scatter < 0.97
+
+
+def test_beside_a_kink_alone_displacements_scatter_by_less_than_they_weigh():
+    shared, mesh = of_a_kink(0.25)
+    away = np.abs(mesh.nodes[:, 0] - 0.5)
+    np.testing.assert_allclose(shared.expected[:, away > 1.5 * WINDOW, 0], 1.0)
+    assert (shared.expected[:, away < 0.2 * WINDOW, 0] < 0.5).all()

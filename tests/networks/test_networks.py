@@ -59,6 +59,17 @@ def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines(terms
     assert min(work) > -1e-4
 
 
+def test_a_compressed_sheet_that_may_change_its_volume_is_convex_along_shears():
+    """There tr C < 2, and the whole slope is of the network."""
+    rng = np.random.default_rng(4)
+    material = NodeMaterial(("I1", "J"), (4, 4), 1, 0.4, 1.0, share=1.0)
+    params = rng.normal(0.0, 1.0, (material.size, 50))
+    params[-1] = -3.0
+    F, line = 0.8 * np.eye(2)[..., None] * np.ones(50), np.array([[0.0, 0.01], [0.0, 0.0]])[..., None]
+    change = node_stress(material, F + line, params) - node_stress(material, F - line, params)
+    assert np.sum(change * line, axis=(0, 1)).min() > 0.0
+
+
 @pytest.mark.parametrize("name", POTENTIALS)
 def test_every_potential_has_an_increasing_slope_that_vanishes_at_zero(name):
     potential = POTENTIALS[name]

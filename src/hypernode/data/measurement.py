@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.fem.mesh import Mesh
+from hypernode.fem.mesh import EDGES, Mesh
 
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
@@ -71,6 +71,18 @@ def stress_resultants(measurement: xr.Dataset) -> Float[np.ndarray, "step edge 2
     return measurement["edge_force"].values / relaxation(measurement) / float(measurement.attrs["thickness"])
 
 
+def mean_of_ends(force: Float[np.ndarray, "step edge 2"], axis: int, i: int) -> Float[np.ndarray, " step"]:
+    """Pull in direction i on the sides normal to an axis: the mean of both readings of it, or the one that is known.
+
+    The outward force at the upper side and minus that at the lower one are two readings. NaN where neither is known.
+    """
+    (lower, _), (upper, _) = (pair for pair in enumerate(EDGES.values()) if pair[1][0] == axis)
+    both = np.stack([-force[:, lower, i], force[:, upper, i]])
+    known = np.isfinite(both)
+    total, count = np.where(known, both, 0.0).sum(axis=0), known.sum(axis=0)
+    return np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+
+
 def nodal_forces(measurement: xr.Dataset) -> Float[np.ndarray, "step node 2"] | None:
     """Outward force on every node over the thickness, or None where none is known, as of every load cell."""
     if "nodal_force" not in measurement:
@@ -84,13 +96,13 @@ def relative_thickness(measurement: xr.Dataset) -> Float[np.ndarray, " cell"]:
 
 
 #: What of a record leaves the force of each step open, beside what is stated.
-FORCE_OPEN = ("force_pairing_uncertainty", "force_relaxation_uncertainty")
+PAIRING_OPEN, RELAXATION_OPEN = "force_pairing_uncertainty", "force_relaxation_uncertainty"
 
 
 def force_uncertainty(measurement: xr.Dataset) -> Float[np.ndarray, " step"]:
     """Relative uncertainty of the forces of every step: what is stated, and what pairing and relaxation leave open."""
     total = np.full(measurement.sizes["load_step"], float(measurement.attrs["force_uncertainty"]))
-    for name in FORCE_OPEN:
+    for name in (PAIRING_OPEN, RELAXATION_OPEN):
         if name in measurement:
             total = np.hypot(total, measurement[name].values)
     return total

@@ -8,10 +8,9 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.data.loading import load_kind
-from hypernode.data.measurement import measured_displacement, mesh_of, relaxation
+from hypernode.data.measurement import mean_of_ends, measured_displacement, mesh_of, relaxation
 from hypernode.dic.errors import DicError
 from hypernode.dic.series import Frame, Series
-from hypernode.fem.mesh import EDGE_NAMES
 
 #: Load -> axes along which the force must be known, and those along which it is recorded where it is.
 _AXES = {
@@ -67,7 +66,7 @@ def recorded_tests(measurement: xr.Dataset, path: Path) -> list[RecordedTest]:
         required, further = ("", "") if unknown else _AXES[load]
         force = {}
         for axis in (*required, *further):
-            along = _along(elastic[steps], load, axis)
+            along = mean_of_ends(elastic[steps], _normal(load, axis), "xy".index(axis))
             if np.isfinite(along).all():
                 force[axis] = np.append(0.0, along)
             elif axis in required:
@@ -79,18 +78,12 @@ def recorded_tests(measurement: xr.Dataset, path: Path) -> list[RecordedTest]:
     return cases
 
 
-def _along(force: Float[np.ndarray, "step edge 2"], load: str, axis: str) -> Float[np.ndarray, " step"]:
-    """Pull of the machine along an axis: the mean of those at both ends of the sheet that are known, else NaN."""
-    component = "xy".index(axis)
-    ends = ("bottom", "top") if load == "shear" or axis == "y" else ("left", "right")
-    low, high = (force[:, EDGE_NAMES.index(edge), component] for edge in ends)
-    seen = np.stack([-low, high])
-    known = np.isfinite(seen)
-    total = np.where(known, seen, 0.0).sum(axis=0)
-    return np.divide(total, known.sum(axis=0), out=np.full(len(total), np.nan), where=known.any(axis=0))
-
-
 def _moved(H: Float[np.ndarray, "step 2 2"], size: Float[np.ndarray, " 2"], load: str, axis: str):
     """How far the machine moved along an axis, the reference first."""
-    normal = 1 if load == "shear" else "xy".index(axis)
+    normal = _normal(load, axis)
     return np.append(0.0, H[:, "xy".index(axis), normal] * size[normal])
+
+
+def _normal(load: str, axis: str) -> int:
+    """Axis between the ends that the machine moves."""
+    return 1 if load == "shear" else "xy".index(axis)

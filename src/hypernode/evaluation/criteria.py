@@ -8,19 +8,18 @@ import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.evaluation.compression import judge_compression
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
-from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level
+from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level, level_of
 from hypernode.evaluation.limits import limited, not_judged, percent
-from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN, TYPICAL_SHARE
+from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
 from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.ratios import Ratio, judge_ratios
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
-#: Contrast that is seen of a fiftieth of a sheet over that of a fifth: scatter is told, the root of p (1 - p) times it.
-SMALL = math.sqrt((TYPICAL_SHARE * (1.0 - TYPICAL_SHARE)) / (0.02 * 0.98))
 #: How many phases may be distinguishable, in words.
 NUMERALS = {2: "Two", 3: "Three", 4: "Four", 5: "Five"}
 
@@ -44,7 +43,7 @@ def judge_run(
         where: the law fails; None where nothing says so.
     """
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
-    uncertainty = math.hypot(uncertainty, 0.0 if budget is None else budget.of(SHARE).level)
+    uncertainty = math.hypot(uncertainty, level_of(budget, SHARE))
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
     explained = judge_displacements(summary, constrained, settings)
     return Verdict(
@@ -65,6 +64,7 @@ def judge_run(
             judge_level(budget, settings.level),
             judge_modes(list(doubt)),
             judge_volume(constrained, list(doubt)),
+            judge_compression(summary),
             _inclusion(summary),
             judge_ratios([Ratio(**each) for each in summary.get("stiffness_ratios", ())]),
         )
@@ -190,6 +190,7 @@ def _inclusion(summary) -> Criterion:
     else:
         contrast = summary["detectable_contrast"]
         visible = f"contrasts above {percent(contrast)} would have been seen of a fifth of the sheet"
-        visible += f", and above {percent(contrast * SMALL)} of a fiftieth"
+        if "smallest_phase" in summary:
+            visible += f", and a phase twice as stiff from {percent(summary['smallest_phase'])} of it on"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
     return Criterion(name, Level.PASSED, sentence, seen, needed)

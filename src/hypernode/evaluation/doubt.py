@@ -13,7 +13,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.evaluation.limits import not_judged, percent
-from hypernode.evaluation.probes import uniaxial_states
+from hypernode.evaluation.probes import Probe
 from hypernode.material.domain_file import domain_of
 from hypernode.material.field import Material
 from hypernode.material.files import material_of, posterior_material
@@ -67,15 +67,6 @@ class Doubt:
         return asdict(self) | {"other_laws": self.other_laws, "total": self.total}
 
 
-@dataclass(frozen=True)
-class _State:
-    """A deformation of every cell, and how the stress is read there (2 x 2 weights on P, by cell)."""
-
-    F: Float[np.ndarray, "cell 2 2"]
-    weights: Float[np.ndarray, "reading cell 2 2"]
-    inside: bool
-
-
 def doubts(
     files: Mapping[str, xr.Dataset], X: Float[np.ndarray, "cell 2"], largest: float, level: float
 ) -> list[Doubt]:
@@ -97,39 +88,24 @@ def doubts(
     for mode in ASKED:
         for reach in REACHES:
             stretch = 1.0 + reach * (largest - 1.0)
-            state = _state(field, X, mode, stretch, domain)
-            best = _read(field, X, state)
-            size = np.sqrt(np.nanmean(np.sum(best**2, axis=0))) if np.isfinite(best).any() else 0.0
+            probe = _probe(field, X, mode, stretch)
+            best = probe.read(field, X)
+            size = np.sqrt(np.nanmean(np.sum(best**2, axis=1))) if np.isfinite(best).any() else 0.0
             if not (np.isfinite(size) and size > 0.0):
                 # No cell has such a state.
                 continue
-            rms = {t: farther_half(_away(_read(each, X, state, n), best)) / size for t, (each, n) in others.items()}
-            networks = 0.0 if learnt is None else _rms(_read(learnt, X, state, 1), best) / size
-            spread = _rms(_read(samples, X, state, count), best) / size
-            found.append(Doubt(mode, stretch, reach, state.inside, spread, rms, networks, level))
+            rms = {t: farther_half(_away(probe.read(each, X, n), best)) / size for t, (each, n) in others.items()}
+            networks = 0.0 if learnt is None else _rms(probe.read(learnt, X), best) / size
+            spread = _rms(probe.read(samples, X, count), best) / size
+            inside = domain is None or bool(domain.inside(probe.F[probe.reached]).all())
+            found.append(Doubt(mode, stretch, reach, inside, spread, rms, networks, level))
     return found
 
 
-def _state(field: Material, X, mode: str, stretch: float, domain) -> _State:
-    unit = np.broadcast_to(np.eye(4).reshape(4, 1, 2, 2), (4, len(X), 2, 2))
+def _probe(field: Material, X, mode: str, stretch: float) -> Probe:
     if mode in MODES:
-        F = np.broadcast_to(mode_gradients([stretch])[MODES.index(mode), 0], (len(X), 2, 2))
-        return _State(F, unit, domain is None or bool(domain.inside(F).all()))
-    axis = int(mode.endswith("y"))
-    states, _, coupling, found = uniaxial_states(field, X, [stretch], axis)
-    # A sample's transverse stretch follows from the field's tangent, so that its axial stress is condensed.
-    weights = np.zeros((1, len(X), 2, 2))
-    weights[0, :, axis, axis] = np.where(found[0], 1.0, np.nan)
-    weights[0, :, 1 - axis, 1 - axis] = -coupling[0]
-    return _State(states[0], weights, domain is None or bool(domain.inside(states[0][found[0]]).all()))
-
-
-def _read(material: Material, X, state: _State, count: int | None = None):
-    """Readings (sample, reading, cell), or (reading, cell) of one field."""
-    times = count or 1
-    P = np.asarray(material.stress(np.tile(X, (times, 1)), np.tile(state.F, (times, 1, 1))), float)
-    read = np.einsum("rcij,scij->src", state.weights, P.reshape(times, len(X), 2, 2))
-    return read if count else read[0]
+        return Probe.common(mode_gradients([stretch])[MODES.index(mode), 0], len(X))
+    return Probe.uniaxial(field, X, stretch, int(mode.endswith("y")))
 
 
 def _away(values, best) -> Float[np.ndarray, " sample"]:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from hypernode.fem.mesh import EDGES
+from hypernode.data.measurement import mean_of_ends
 
 #: Courses that a force may be missed by.
 ZERO, PAIRING, LAW, SCATTER = "zero", "pairing", "law", "scatter"
@@ -49,21 +49,18 @@ def channels(measurement: xr.Dataset, identified: Float[np.ndarray, "step edge 2
     """
     measured, case = measurement["edge_force"].values, measurement["load_case"].values
     time = measurement["time"].values if "time" in measurement else np.arange(len(case), dtype=float)
-    # The outward force at the upper side and minus that at the lower one are two readings of one force.
-    names = list(EDGES)
-    pairs = {axis: [names.index(name) for name in names if EDGES[name][0] == axis] for axis in range(2)}
     found = []
     for number in np.unique(case):
-        for (lower, upper), i in ((pairs[axis], i) for axis in range(2) for i in range(2)):
-            both = [np.stack([-F[:, lower, i], F[:, upper, i]]) for F in (measured, measured - identified)]
-            known = (case == number) & np.isfinite(both[1]).any(axis=0)
+        for axis, i in np.ndindex(2, 2):
+            pull, less = (mean_of_ends(F[case == number], axis, i) for F in (measured, measured - identified))
+            known = np.isfinite(less)
             if known.sum() < FEWEST:
                 continue
-            force, missed = (np.nanmean(each[:, known], axis=0) for each in both)
+            force, missed, steps = pull[known], less[known], np.flatnonzero(case == number)[known]
             told = np.abs(force) > SMALLEST * np.abs(force).max()
             if told.sum() >= FEWEST:
-                stretch = measurement["stretch"].values[known]
-                found.append(Channel(force[told], missed[told], stretch[told], time[known][told]))
+                stretch = measurement["stretch"].values[steps]
+                found.append(Channel(force[told], missed[told], stretch[told], time[steps][told]))
     return found
 
 

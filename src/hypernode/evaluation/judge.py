@@ -14,12 +14,13 @@ from hypernode.data.measurement import (
     mesh_of,
     noise_of_steps,
 )
+from hypernode.evaluation.compression import score_compression
 from hypernode.evaluation.curves import score_curves
 from hypernode.evaluation.ending import score_ending
 from hypernode.evaluation.equilibrium import score_equilibrium, stress_at
 from hypernode.evaluation.fibres import score_fibres
 from hypernode.evaluation.judgement import Judgement
-from hypernode.evaluation.level_budget import SHARE, level_budget
+from hypernode.evaluation.level_budget import level_beside_samples, level_budget
 from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
 from hypernode.evaluation.polish import identified_gradient, score_polish
@@ -104,8 +105,7 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     if samples is not None:
         found_phase = phases.variables["phase_found"]
         cut = 0.0 if is_on_its_own_grid(measurement) else spread_of_cut_cells(mesh, found_phase, field, constrained)
-        # Samples know the errors of the load cell, and not what is beside the points.
-        beside = 0.0 if budget is None else budget.of(SHARE).level * np.abs(field)
+        beside = level_beside_samples(budget) * np.abs(field)
         true_field = None if true is None else indicator(true, mesh.centres, kind, stretch)
         judged |= _of_samples(mesh, samples, found_phase, true_field, np.hypot(cut, beside))
     judged |= score_shape(mesh, field, shape, true_shape)
@@ -134,6 +134,7 @@ def _at_both_deformations(files, found) -> Judgement:
         # A cell that a line cuts is of two layers; the material knows the one at its centre.
         stresses["identified"] = stresses["identified"] + files["constrained"]["P_jump"].values
     judged = Judgement({"P_field": stresses["identified"]}) | score_region(deformations["identified"])
+    judged |= score_compression(deformations["identified"], stresses["identified"])
     for key, F in deformations.items():
         judged |= score_equilibrium(mesh, loading, measurement, F, stresses[key], key)
     if "F_truth" in measurement:

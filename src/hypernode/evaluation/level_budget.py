@@ -12,8 +12,11 @@ from jaxtyping import Float
 
 from hypernode.data.loading import Loading
 from hypernode.data.measurement import (
+    PAIRING_OPEN,
+    RELAXATION_OPEN,
     force_gain_uncertainty,
     force_offset_uncertainty,
+    force_uncertainty,
     is_cut_out,
     mesh_of,
     relative_thickness,
@@ -21,12 +24,14 @@ from hypernode.data.measurement import (
 )
 from hypernode.data.seen_share import seen_shares, strips
 from hypernode.evaluation.limits import limited, not_judged, percent
-from hypernode.evaluation.thresholds import Threshold
+from hypernode.evaluation.thresholds import SETTINGS, Threshold
 from hypernode.fem.mesh import Mesh
 from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
+#: Inputs of the cross-section. Samples of a field know the errors of the load cell alone.
+BESIDE_SAMPLES = ("thickness", "pixel size", SHARE)
 
 
 @dataclass(frozen=True)
@@ -83,15 +88,16 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     mesh, loading, shares = mesh_of(measurement), Loading.of(measurement), seen_shares(measurement)
     force = np.nan_to_num(np.abs(stress_resultants(measurement))).max(axis=(1, 2))
     of_case = np.array([force[loading.load_case == case].max() for case in loading.load_case])
-    told = force > 0.0
+    weights = _weights(measurement, force)
     zero, gain = force_offset_uncertainty(measurement), force_gain_uncertainty(measurement)
-    # Every step weighs alike, since its uncertainty is a share of its force.
-    zero_level = float(np.mean(of_case[told] / force[told])) * zero
+    zero_level = float(weights @ np.divide(of_case, force, out=np.zeros_like(force), where=force > 0.0)) * zero
     thickness, pixel = (float(measurement.attrs.get(f"{key}_uncertainty", 0.0)) for key in ("thickness", "pixel_size"))
     share, seen = _share(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
     # Of a part of the sheet the stated width rules. Where all is seen, the section is measured in pixels.
     pixel_level = pixel if seen >= 1.0 else 0.0
-    open_of = {key: _rms(measurement, f"force_{key}_uncertainty") for key in ("relaxation", "pairing")}
+    relaxation, pairing = (_open(measurement, name) for name in (RELAXATION_OPEN, PAIRING_OPEN))
+    # A lag is one error of all steps; what relaxation leaves open differs from step to step.
+    open_of = {"relaxation": float(np.sqrt(weights @ relaxation**2)), "pairing": float(weights @ pairing)}
     parts = [
         Part("zero", zero, zero_level),
         Part("gain", gain, gain),
@@ -103,8 +109,26 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     return LevelBudget(tuple(parts), seen)
 
 
-def _rms(measurement: xr.Dataset, name: str) -> float:
-    return float(np.sqrt(np.mean(measurement[name].values ** 2))) if name in measurement else 0.0
+def level_of(budget: LevelBudget | None, *names: str) -> float:
+    """Relative standard uncertainty of the level by some inputs together; zero without a budget."""
+    return 0.0 if budget is None else float(np.sqrt(sum(budget.of(name).level ** 2 for name in names)))
+
+
+def level_beside_samples(budget: LevelBudget | None) -> float:
+    """That by the inputs which posterior samples do not know."""
+    return level_of(budget, *BESIDE_SAMPLES)
+
+
+def _weights(measurement: xr.Dataset, force: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
+    """How much each step tells of the level: forces weigh by their relative uncertainty, as in the identification."""
+    uncertainty = np.maximum(force_uncertainty(measurement), SETTINGS.force_uncertainty)
+    weights = np.where(force > 0.0, uncertainty**-2.0, 0.0)
+    return weights / max(weights.sum(), np.finfo(float).tiny)
+
+
+def _open(measurement: xr.Dataset, name: str) -> Float[np.ndarray, " step"]:
+    """What a record leaves open of the force of every step, over the force."""
+    return measurement[name].values if name in measurement else np.zeros(measurement.sizes["load_step"])
 
 
 def _share(measurement, mesh: Mesh, loading: Loading, shares, P) -> tuple[float, float]:

@@ -20,6 +20,8 @@ FLOOR = 0.01
 MOST = 5
 #: Share of the sheet of the inclusion whose detectable contrast is said.
 TYPICAL_SHARE = 0.2
+#: Cells of the smallest phase.
+LEAST_CELLS = 4
 
 #: What a summary says of the inclusion.
 SEEN, NONE, NOT_JUDGED = "distinguishable", "none distinguishable", "not judged"
@@ -200,7 +202,20 @@ def score_phases(
         "detectable_contrast": phases.needed / float(np.sqrt(TYPICAL_SHARE * (1.0 - TYPICAL_SHARE))),
         "phases_found": phases.count,
     }
+    smallest = smallest_phase(phases.needed, len(field))
+    summary |= {} if smallest is None else {"smallest_phase": smallest}
     return Judgement({"shape": phases.shape.astype(np.int64), "phase_found": phases.labels}, summary)
+
+
+def smallest_phase(needed: float, cells: int) -> float | None:
+    """Share of the sheet from which a phase twice as stiff as the rest is distinguishable; None if none is.
+
+    Such a phase of share w explains sqrt(w (1 - w)). A phase that is one cell wide counts as a seam, so that four
+    cells are the least.
+    """
+    if needed >= 0.5:
+        return None
+    return max(0.5 * (1.0 - float(np.sqrt(1.0 - 4.0 * needed**2))), LEAST_CELLS / cells)
 
 
 def phase_numbers(evaluation: Mapping) -> Int[np.ndarray, " cell"]:

@@ -1,8 +1,10 @@
 """Response of a material field to prescribed homogeneous deformations."""
 
+from dataclasses import dataclass
+
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from hypernode.material.field import Material
 from hypernode.mechanics.loads import tensile_axis
@@ -90,15 +92,51 @@ def sampled_indicator(
         best: material about which the samples scatter.
         samples: ``count`` materials at the positions X, one after the other.
     """
-    every = np.tile(X, (count, 1))
     axis = tensile_axis(kind)
     if axis is None:
-        return indicator(samples, every, kind, stretch).reshape(count, -1)
-    F, _, coupling, found = uniaxial_states(best, X, [stretch], axis)
-    P = np.asarray(samples.stress(every, np.tile(F[0], (count, 1, 1))), float).reshape(count, len(X), 2, 2)
-    across = 1 - axis
-    condensed = P[..., axis, axis] - coupling[0] * P[..., across, across]
-    return np.where(found[0], condensed, np.nan)
+        return indicator(samples, np.tile(X, (count, 1)), kind, stretch).reshape(count, -1)
+    return Probe.uniaxial(best, X, stretch, axis).read(samples, X, count)[:, 0]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A deformation of every point, and how the stress is read there.
+
+    Attributes:
+        F: of every point.
+        weights: of the components of P in every reading; NaN where a point has no such state.
+    """
+
+    F: Float[np.ndarray, "point 2 2"]
+    weights: Float[np.ndarray, "reading point 2 2"]
+
+    @classmethod
+    def common(cls, F: Float[np.ndarray, "2 2"], points: int) -> "Probe":
+        """The same F at all points; every component is read."""
+        unit = np.broadcast_to(np.eye(4).reshape(4, 1, 2, 2), (4, points, 2, 2))
+        return cls(np.broadcast_to(F, (points, 2, 2)), unit)
+
+    @classmethod
+    def uniaxial(cls, best: Material, X, stretch: float, axis: int) -> "Probe":
+        """A pull with free sides of one material; the axial stress is read.
+
+        The transverse stretch of a material close to it follows from the tangent of this one.
+        """
+        states, _, coupling, found = uniaxial_states(best, X, [stretch], axis)
+        weights = np.zeros((1, len(X), 2, 2))
+        weights[0, :, axis, axis] = np.where(found[0], 1.0, np.nan)
+        weights[0, :, 1 - axis, 1 - axis] = -coupling[0]
+        return cls(states[0], weights)
+
+    @property
+    def reached(self) -> Bool[np.ndarray, " point"]:
+        """Which points have the state."""
+        return np.isfinite(self.weights).all(axis=(0, 2, 3))
+
+    def read(self, material: Material, X, count: int = 1) -> Float[np.ndarray, "sample reading point"]:
+        """Readings of ``count`` materials at the positions X, one after the other."""
+        P = np.asarray(material.stress(np.tile(X, (count, 1)), np.tile(self.F, (count, 1, 1))), float)
+        return np.einsum("rpij,spij->srp", self.weights, P.reshape(count, len(X), 2, 2))
 
 
 def preferred_direction(material: Material, X, stretch: float) -> tuple[np.ndarray, np.ndarray]:

@@ -39,6 +39,10 @@ class Refuted:
     cells: Bool[np.ndarray, " cell"]
     deformation: Float[np.ndarray, " cell"]
 
+    def counts(self, settings: Settings) -> Bool[np.ndarray, " cell"]:
+        """Where it is deformation that counts for a stress."""
+        return self.deformation > settings.deformation
+
 
 def growth(
     mesh: Mesh,
@@ -76,13 +80,11 @@ def refuted(measurement: xr.Dataset, constrained: xr.Dataset | None) -> Refuted 
     """
     if constrained is None or "residual" not in constrained:
         return None
-    scatter = float(constrained.attrs["residual_scatter"])
-    residual = constrained["residual"].values / scatter
+    residual = constrained["residual"].values
     mesh, F = mesh_of(measurement), np.linalg.norm(measurement["H"].values, axis=(1, 2))
     if len(residual) < FEWEST or len(np.unique(measurement["load_case"].values)) > 1 or np.ptp(F) == 0.0:
         return None
-    # Where neighbours share errors, displacements scatter by less than they weigh.
-    size, cells = growth(mesh, residual, F, scatter**2)
+    size, cells = growth(mesh, residual, F, float(constrained.attrs["independent_residuals"]))
     stands_for = size * float(constrained.attrs["noise_deformation"])
     return Refuted(np.where(cells, size, 0.0), cells, np.where(cells, stands_for, 0.0))
 
@@ -92,6 +94,6 @@ def judge_refuted(found: Refuted | None, settings: Settings) -> Criterion:
     name = "refuted"
     if found is None:
         return not_judged(name, "No noise, or fewer than three steps of one load, say where the law fails.")
-    share = float((found.deformation > settings.deformation).mean())
+    share = float(found.counts(settings).mean())
     words = f"What is missed grows with the test, by more than {percent(settings.deformation)} of the deformation, in"
     return limited(name, words, share, settings.places, lambda v: f"{percent(v)} of the sheet")

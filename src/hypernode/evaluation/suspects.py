@@ -80,7 +80,7 @@ def _pattern(measurement, constrained, variables) -> Pattern | None:
     if "residual" not in constrained:
         return None
     mesh, case = mesh_of(measurement), measurement["load_case"].values
-    residual = constrained["residual"].values / float(constrained.attrs["residual_scatter"])
+    residual = constrained["residual"].values
     deformation = np.linalg.norm(measurement["H"].values, axis=(1, 2))
     # What a law misses of one load case does not repeat in another: the one that is missed most tells.
     own = case == max(case, key=lambda each: np.nanmean(residual[case == each] ** 2))

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files as package_files
 
@@ -10,6 +11,7 @@ import xarray as xr
 
 from hypernode.evaluation.doubt import ASKED
 from hypernode.evaluation.limits import percent
+from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.explorer.facts import FACTS, fact
 from hypernode.tables.verdicts import RunVerdict, count
 from hypernode.verdict import Verdict
@@ -52,6 +54,31 @@ _HEAD = """<!doctype html>
 """
 
 
+@dataclass(frozen=True)
+class _Run:
+    """What the page shows of one run.
+
+    Attributes:
+        name: case and method.
+        summary: numbers of its evaluation.
+        doubt: row of its doubt by mode, empty where it knows none.
+        refuted: small map of where its law is refuted, empty where it is not.
+    """
+
+    name: str
+    verdict: Verdict
+    summary: Mapping
+    doubt: str
+    refuted: str
+
+    @classmethod
+    def of(cls, evaluation: xr.Dataset) -> "_Run":
+        """That of an opened evaluation, which is not kept."""
+        name, verdict = RunVerdict.of(evaluation)
+        summary = json.loads(evaluation.attrs["summary"])
+        return cls(name, verdict, summary, _doubt_row(name, evaluation), _refuted_map(name, evaluation))
+
+
 def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], settings: Mapping) -> str:
     """The HTML text of the page; it loads nothing, and its links are relative to the results folder.
 
@@ -64,14 +91,12 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
     Raises:
         VerdictError: an evaluation holds no verdict.
     """
-    evaluations = list(evaluations)
-    runs = [(*RunVerdict.of(each), json.loads(each.attrs["summary"])) for each in evaluations]
-    runs.sort(key=lambda run: (-run[1].overall.rank, run[0]))
+    runs = sorted((_Run.of(each) for each in evaluations), key=lambda run: (-run.verdict.overall.rank, run.name))
     parts = [
         _verdicts(runs, settings["explorers"]),
         _numbers(runs),
-        _doubt(evaluations),
-        _refuted(evaluations),
+        _doubt(runs),
+        _refuted(runs),
         _cases(settings["cases"]),
         _shown("figures", settings["figures"], FIGURE_FORMATS),
         _shown("tables", {name: ("", []) for name in settings["tables"]}, TABLE_FORMATS),
@@ -84,7 +109,7 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
 
 
 def _told(runs, commits: Mapping[str, int], settings) -> str:
-    levels = count(verdict.overall for _, verdict, _ in runs) or "no run is evaluated"
+    levels = count(run.verdict.overall for run in runs) or "no run is evaluated"
     made = ", ".join(
         f"<code>{escape(commit or 'not known')}</code> ({_counted(n, 'run')})" for commit, n in commits.items()
     )
@@ -118,10 +143,10 @@ def _reason(verdict: Verdict) -> str:
 
 def _verdicts(runs, explorers) -> str:
     rows = [
-        f'<tr data-level="{verdict.overall}"><td class="level">{verdict.overall}</td><th scope="row">'
-        f"{_link(f'{run}/explorer.html', run) if run in explorers else escape(run)}</th>"
-        f'<td class="reason">{escape(_reason(verdict))}</td></tr>'
-        for run, verdict, _ in runs
+        f'<tr data-level="{run.verdict.overall}"><td class="level">{run.verdict.overall}</td><th scope="row">'
+        f"{_link(f'{run.name}/explorer.html', run.name) if run.name in explorers else escape(run.name)}</th>"
+        f'<td class="reason">{escape(_reason(run.verdict))}</td></tr>'
+        for run in runs
     ]
     caption = "How far each run can be believed by its own numbers, the worst first"
     return "<h2>Verdicts</h2>" + _table("verdicts", caption, ("verdict", "run", "reasons"), rows)
@@ -129,57 +154,60 @@ def _verdicts(runs, explorers) -> str:
 
 def _numbers(runs) -> str:
     rows = [
-        f'<tr><th scope="row">{escape(run)}</th>'
-        + "".join(f'<td class="number">{escape(fact(summary, key))}</td>' for key in FACTS)
+        f'<tr><th scope="row">{escape(run.name)}</th>'
+        + "".join(f'<td class="number">{escape(fact(run.summary, key))}</td>' for key in FACTS)
         + "</tr>"
-        for run, _, summary in runs
+        for run in runs
     ]
     columns = ("run", *(words for words, _ in FACTS.values()))
     return "<h2>Ten numbers</h2>" + _table("numbers", "Empty where a run does not know it", columns, rows)
 
 
-def _doubt(evaluations) -> str:
+def _doubt_row(name: str, evaluation: xr.Dataset) -> str:
+    doubt = json.loads(evaluation.attrs.get("doubt", "[]"))
+    of_test = {
+        one["mode"]: percent(one["total"]) + ("" if one["inside"] else " (beyond)")
+        for one in doubt
+        if one["reach"] == 1.0
+    }
+    cells = "".join(f'<td class="number">{escape(of_test.get(mode, ""))}</td>' for mode in ASKED)
+    return f'<tr><th scope="row">{escape(name)}</th>{cells}</tr>' if doubt else ""
+
+
+def _doubt(runs: list[_Run]) -> str:
     """Doubt in every mode at the stretch of the test, of runs that know it."""
-    rows = []
-    for each in evaluations:
-        doubt = json.loads(each.attrs.get("doubt", "[]"))
-        of_test = {
-            one["mode"]: percent(one["total"]) + ("" if one["inside"] else " (beyond)")
-            for one in doubt
-            if one["reach"] == 1.0
-        }
-        cells = "".join(f'<td class="number">{escape(of_test.get(mode, ""))}</td>' for mode in ASKED)
-        rows += [f'<tr><th scope="row">{escape(RunVerdict.of(each).run)}</th>{cells}</tr>'] if doubt else []
+    rows = sorted(run.doubt for run in runs if run.doubt)
     if not rows:
         return ""
     caption = "Standard uncertainty of the stress by mode, at the stretch of the test; beyond: of what it has not seen"
     columns = ("run", *(mode.replace("_", " ") for mode in ASKED))
-    return "<h2>Doubt in every deformation</h2>" + _table("doubt", caption, columns, sorted(rows))
+    return "<h2>Doubt in every deformation</h2>" + _table("doubt", caption, columns, rows)
 
 
-def _refuted(evaluations) -> str:
-    """A small map of every run whose law is refuted somewhere."""
-    maps = []
-    for each in evaluations:
-        if "refuted_by" not in each or not (cells := np.flatnonzero(each["refuted_by"].values > 0.0)).size:
-            continue
-        (left, low), (right, high) = each["corners"].values
-        scale = MAP_SIDE / max(right - left, high - low)
-        X = (each["X"].values[each["cells"].values[cells]] - [left, low]) * scale
-        height, width = (high - low) * scale, (right - left) * scale
-        corners = ([f"{x:.1f},{height - y:.1f}" for x, y in cell] for cell in X)
-        path = "".join(f"M{'L'.join(cell)}Z" for cell in corners)
-        share = percent(len(cells) / each.sizes["cell"])
-        name = RunVerdict.of(each).run
-        maps.append(
-            f'<figure><svg width="{width:.0f}" height="{height:.0f}" role="img" aria-label="{escape(name)}: {share}">'
-            '<rect width="100%" height="100%" fill="none" stroke="currentColor"/>'
-            f'<path d="{path}" fill="#C00000"/></svg>'
-            f"<figcaption>{escape(name)}: {share} of the sheet</figcaption></figure>"
-        )
-    if not maps:
+def _refuted_map(name: str, evaluation: xr.Dataset) -> str:
+    """The cells that the criterion ``refuted`` counts."""
+    if "refuted" not in evaluation or not (cells := np.flatnonzero(evaluation["refuted"].values)).size:
         return ""
-    return f"<h2>Where laws fail</h2><p>Displacements are missed there by what grows with the test.</p>{''.join(maps)}"
+    (left, low), (right, high) = evaluation["corners"].values
+    scale = MAP_SIDE / max(right - left, high - low)
+    X = (evaluation["X"].values[evaluation["cells"].values[cells]] - [left, low]) * scale
+    height, width = (high - low) * scale, (right - left) * scale
+    corners = ([f"{x:.1f},{height - y:.1f}" for x, y in cell] for cell in X)
+    path = "".join(f"M{'L'.join(cell)}Z" for cell in corners)
+    share = percent(len(cells) / evaluation.sizes["cell"])
+    return (
+        f'<figure><svg width="{width:.0f}" height="{height:.0f}" role="img" aria-label="{escape(name)}: {share}">'
+        '<rect width="100%" height="100%" fill="none" stroke="currentColor"/>'
+        f'<path d="{path}" fill="#C00000"/></svg>'
+        f"<figcaption>{escape(name)}: {share} of the sheet</figcaption></figure>"
+    )
+
+
+def _refuted(runs: list[_Run]) -> str:
+    """A small map of every run whose law is refuted somewhere."""
+    maps = "".join(run.refuted for run in runs)
+    words = f"What displacements are missed by grows there with the test, by more than {percent(SETTINGS.deformation)}"
+    return f"<h2>Where laws fail</h2><p>{words} of the deformation.</p>{maps}" if maps else ""
 
 
 def _cases(cases: Mapping) -> str:

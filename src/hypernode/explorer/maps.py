@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from hypernode.data.measurement import measured_displacement, mesh_of, scatter_of_steps
+from hypernode.data.measurement import measured_displacement, mesh_of
 from hypernode.evaluation.phases import phase_numbers
 from hypernode.evaluation.probes import SMALLEST_ANISOTROPY, equibiaxial_stress, preferred_direction
 from hypernode.figures.style import ANGLE_MAP, ERROR_MAP, FIELD_MAP, STRAIN_MAP
@@ -115,20 +115,18 @@ def _misfit(files) -> list[Map]:
     """Distance of the measured displacement from that of the equilibrium field; nothing without such a field."""
     if "constrained" not in files:
         return []
-    measurement = files["measurement"]
-    mesh, scatter = mesh_of(measurement), scatter_of_steps(measurement)
-    noisy = bool((scatter > 0.0).all())
-    difference = measured_displacement(measurement) - files["constrained"]["u"].values
-    scaled = difference / (scatter[:, None] if noisy else 1.0)
-    # Over the noise, of one component; as a length, of both.
-    squares = np.mean(scaled**2, axis=2) if noisy else np.sum(scaled**2, axis=2)
-    corners = squares[:, mesh.cells]
+    measurement, field = files["measurement"], files["constrained"]
+    mesh, noisy = mesh_of(measurement), "residual" in field
+    missed = field["residual"].values if noisy else measured_displacement(measurement) - field["u"].values
+    corners = missed[:, mesh.cells] ** 2
     known = np.isfinite(corners)
-    total = np.where(known, corners, 0.0).sum(axis=2)
-    mean = np.divide(total, known.sum(axis=2), out=np.full(total.shape, np.nan), where=known.any(axis=2))
+    total, count = np.where(known, corners, 0.0).sum(axis=(2, 3)), known.sum(axis=(2, 3))
+    # Over its error, of one component; as a length, of both.
+    mean = np.divide(total * (1.0 if noisy else 2.0), count, out=np.full(total.shape, np.nan), where=count > 0)
     unit = "1" if noisy else units_of(measurement)["length"]
-    title = "Displacement misfit over noise" if noisy else "Displacement misfit"
-    about = f"Measured less identified displacement{', root mean square of a component over its noise' * noisy}."
+    title = "Displacement misfit over its error" if noisy else "Displacement misfit"
+    over = ", root mean square of a component over its expected error" if noisy else ""
+    about = f"Measured less identified displacement{over}."
     return [Map("misfit", title, unit, about, ERROR_MAP, np.sqrt(mean), least=0.0)]
 
 

@@ -20,14 +20,14 @@ class LocalMisfit:
     Attributes:
         values: root mean square over the nodes of the cell and of the cells around it, NaN where nothing is observed.
         unexplained: cells whose value exceeds the limit of chance for the whole sheet.
-        residuals: misfit of every displacement over the error with which it weighs, NaN where none is observed.
-        scatter: expected root mean square of these residuals.
+        residuals: misfit of every displacement over its expected error, NaN where none is observed.
+        independent: number of independent residuals over that of all.
     """
 
     values: Float[np.ndarray, " cell"]
     unexplained: Bool[np.ndarray, " cell"]
     residuals: Float[np.ndarray, "step node 2"]
-    scatter: float
+    independent: float
 
 
 def local_misfit(found: Estimate) -> LocalMisfit | None:
@@ -44,6 +44,8 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     observed = [boundary.observed for boundary in observations.boundaries]
     by_node = np.full((len(observed), 2 * nodes), np.nan)
     by_node[np.repeat(np.arange(len(observed)), [len(each) for each in observed]), np.concatenate(observed)] = residuals
+    # Errors that points share weigh as larger independent ones: beside lines more so than elsewhere.
+    by_node = by_node.reshape(observations.u.shape) / observations.expected
     node = np.concatenate(observed) // 2
     around = observations.grid.around()
     squares = around @ np.bincount(node, residuals**2, nodes)
@@ -54,9 +56,8 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     # Means around cells that share no node are independent: as many as there are nodes for each.
     places = max(nodes / np.median(np.diff(around.indptr)), 1.0)
     alone = scipy.stats.norm.sf(strategy.never_by_chance) / places
-    independent = np.maximum(count * observations.scatter**2, 1.0)
+    share = observations.scatter**2
+    independent = np.maximum(count * share, 1.0)
     limit = scipy.stats.chi2.isf(alone, independent) / independent
     unexplained = known & (mean > limit * usual**2)
-    return LocalMisfit(
-        np.sqrt(mean) / usual, unexplained, by_node.reshape(len(observed), nodes, 2), observations.scatter
-    )
+    return LocalMisfit(np.sqrt(mean) / usual, unexplained, by_node, share)

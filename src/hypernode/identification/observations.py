@@ -42,8 +42,9 @@ class Observations:
         loading: what is known about the forces.
         u: mean of the repeats (step, node, 2), interpolated at lost points, which do not count as observed.
         sigma: root mean square standard deviation of u, from noise and discretisation together.
-        scatter: expected root mean square error of u over sigma. It is 1 for independent errors, and less for shared
-            errors, which enter sigma as larger independent ones.
+        expected: standard deviation of u over the error with which it weighs. It is 1 for independent errors, and less
+            for shared errors, which weigh as larger independent ones.
+        scatter: root mean square of ``expected``.
         noisy: whether noise dominates the discretisation error, or may equal it within their uncertainty.
         noise_uncertainty: relative uncertainty of that noise.
         believed_noise: the noise model in use.
@@ -63,6 +64,7 @@ class Observations:
     loading: Loading
     u: Float[np.ndarray, "step node 2"]
     sigma: float
+    expected: Float[np.ndarray, "step node 2"]
     scatter: float
     noisy: bool
     noise_uncertainty: float
@@ -97,7 +99,8 @@ class Observations:
     def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Observations":
         """The observations of some load steps, with the uncertainty of the whole test."""
         boundaries = tuple(self.boundaries[step] for step in steps)
-        return replace(self, loading=self.loading.of_steps(steps), u=self.u[steps], boundaries=boundaries)
+        of_points = {"u": self.u[steps], "expected": self.expected[steps]}
+        return replace(self, loading=self.loading.of_steps(steps), boundaries=boundaries, **of_points)
 
 
 def observe(
@@ -105,8 +108,7 @@ def observe(
 ) -> Observations:
     """The observations of an opened measurement.
 
-    Where the grid is cut out of a larger sheet, its outline is no edge of the sheet. The measured displacement then
-    prescribes it all round, and no traction there is assumed to vanish.
+    Of a grid that is cut out of a larger sheet, the measured displacement prescribes the outline all round.
 
     Args:
         subcells: rows and columns into which every measured cell is divided.
@@ -137,9 +139,9 @@ def observe(
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
     boundaries = [boundary_of(refinement, grid, *step, seen) for step in each]
-    scatter = float(np.sqrt(np.mean((np.hypot(np.hypot(spread, beside)[:, None], error) / believed) ** 2)))
+    expected = np.hypot(np.hypot(spread, beside)[:, None], error) / believed
     if information is not None:
-        scatter = 1.0
+        expected = np.ones_like(expected)
         boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
     return Observations(
         grid,
@@ -147,7 +149,8 @@ def observe(
         Loading.of(measurement),
         u,
         sigma,
-        scatter,
+        expected,
+        float(np.sqrt(np.mean(expected**2))),
         noisy,
         noise_uncertainty(measurement),
         believed_noise,

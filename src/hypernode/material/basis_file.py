@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -12,9 +13,13 @@ from hypernode.mechanics.convex_basis import ConvexBasis
 
 def basis_field(file: xr.Dataset) -> tuple[ConvexBasis, Float[np.ndarray, "parameter part cell"]]:
     """The convex basis of a constrained field and its parameters in the parts of every cell, row by row."""
-    spec = json.loads(file.attrs["basis"])
-    basis = ConvexBasis(tuple(spec["terms"]), spec["invariant_scale"])
-    return basis, np.stack([file[f"basis.{name}"].values for name in basis.names])
+    return read_field(file, json.loads(file.attrs["basis"]), "basis")
+
+
+def read_field(file: xr.Dataset, described: Mapping, prefix: str) -> tuple[ConvexBasis, np.ndarray]:
+    """A convex basis as a file describes it, and its parameters, the first axis, from variables with a prefix."""
+    basis = ConvexBasis(tuple(described["terms"]), described["invariant_scale"])
+    return basis, np.stack([file[f"{prefix}.{name}"].values for name in basis.names])
 
 
 def basis_content(

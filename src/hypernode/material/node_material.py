@@ -128,7 +128,8 @@ class NodeMaterial:
         """dPsi/dI_k, an :class:`~hypernode.mechanics.kinematics.Invariants`-like tuple.
 
         Equation ``NODE_potential`` for each term. A term with a fibre invariant acts in tension
-        only: its argument is clamped at zero below, which keeps the energy convex.
+        only: its argument is clamped at zero below, which keeps the energy convex. So is tr C - 2 of a
+        compressible sheet, as in the convex basis: where it is negative, a slope of its own would not be polyconvex.
 
         Args:
             I: named tuple of invariants, each of shape [..., point].
@@ -149,7 +150,7 @@ class NodeMaterial:
                 a = alpha[self.mixtures.index(term)]
                 share = (a, 1.0 - a)
             value = sum(s * shifted[name] for s, name in zip(share, names, strict=True))
-            inputs.append(jnp.maximum(value, 0.0) if "I4" in term else value)
+            inputs.append(jnp.maximum(value, 0.0) if self._in_tension_only(term) else value)
             shares.append(dict(zip(names, share, strict=True)))
         # Stacked as [..., term, point] so that all terms run as one array.
         h = jnp.stack(inputs, axis=-2) / self.invariant_scale
@@ -169,6 +170,9 @@ class NodeMaterial:
             slope = total.pop(name)
             total["I1"], total["I2"] = total["I1"] + slope * by_I1, total["I2"] + slope * by_I2
         return type(I)(**{name: self.stress_scale * value for name, value in total.items()})
+
+    def _in_tension_only(self, term: str) -> bool:
+        return "I4" in term or (self.compressible and term == "I1")
 
     def initial_params(self, key: Array) -> Float[Array, " size"]:
         """Random parameters of a soft, nearly neo-Hookean start; every term has its own key."""

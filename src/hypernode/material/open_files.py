@@ -8,9 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from hypernode.material.basis_file import read_field
 from hypernode.material.field import Material
 from hypernode.material.laws import mean_of_subcells
-from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.storage.netcdf import units_of
 
 
@@ -32,8 +32,7 @@ def open_materials(file: xr.Dataset) -> dict[str, tuple[Material, int]]:
     """{term: (all samples of the law as one material, how many)}; positions are the cell centres, once a sample."""
     found = {}
     for law in json.loads(file.attrs.get("open_laws", "[]")):
-        basis = ConvexBasis(tuple(law["basis"]["terms"]), law["basis"]["invariant_scale"])
-        values = np.stack([file[f"open_{law['term']}.{name}"].values for name in basis.names])
+        basis, values = read_field(file, law["basis"], f"open_{law['term']}")
         params = jnp.asarray(np.moveaxis(values, 1, 2).reshape(*values.shape[:1], values.shape[2], -1))
         laws = mean_of_subcells(basis.stress), mean_of_subcells(basis.energy)
         found[law["term"]] = Material(lambda X, params=params: params, *laws, units_of(file)), values.shape[1]

@@ -56,7 +56,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     if local is not None:
         variables |= {"local_misfit": local.values, "unexplained": local.unexplained.astype(np.int8)}
         variables |= {"residual": local.residuals}
-        beside |= {"residual_scatter": local.scatter}
+        beside |= {"independent_residuals": local.independent}
     if "F_truth" in measurement:
         variables["F_truth"] = measurement["F_truth"].values
     write(

@@ -16,7 +16,7 @@ from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.doubt import doubts
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.judgement import Judgement
-from hypernode.evaluation.level_budget import SHARE, level_budget, table
+from hypernode.evaluation.level_budget import level_beside_samples, level_budget, table
 from hypernode.evaluation.refuted import refuted
 from hypernode.evaluation.shape import PrintedShape
 from hypernode.evaluation.suspects import evidence_of, with_suspects
@@ -50,13 +50,12 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         shape = PrintedShape(*_printed(printed, config.specimens[case.specimen], corners))
     judged = judge(data, kind, stretches, shape)
     budget = level_budget(measurement, judged.variables["P_field"])
-    # Samples know the errors of the load cell, and not what is beside the points.
-    beside = 0.0 if budget is None else budget.of(SHARE).level
-    doubt = doubts(data, mesh_of(measurement).centres, float(measurement["stretch"].values.max()), beside)
+    largest = float(measurement["stretch"].values.max())
+    doubt = doubts(data, mesh_of(measurement).centres, largest, level_beside_samples(budget))
     constrained = data.get("constrained")
     where = refuted(measurement, constrained)
     if where is not None:
-        judged |= Judgement({"refuted_by": where.size})
+        judged |= Judgement({"refuted_by": where.size, "refuted": where.counts(SETTINGS).astype(np.int8)})
     verdict = judge_run(judged.summary, measurement, constrained, SETTINGS, budget, doubt, where)
     evidence = evidence_of(judged.summary, judged.variables, measurement, constrained, budget)
     verdict = with_suspects(verdict, evidence)

@@ -158,7 +158,7 @@ VARIABLES = {
     "interface_distance": Variable(("interface", "node"), "1", "sides of a cell from a line, positive in its material"),
     "local_misfit": Variable(("cell",), "1", "misfit around a cell over that of the sheet or noise, what is more"),
     "unexplained": Variable(("cell",), "1", "1 where that is more than chance makes anywhere in a sheet"),
-    "residual": Variable(("load_step", "node", "i"), "1", "misfit of a displacement over its error"),
+    "residual": Variable(("load_step", "node", "i"), "1", "misfit of a displacement over its expected error"),
     "P_jump": Variable(("load_step", "cell", "i", "J"), "stress", "P of a cut cell less that of the law at its centre"),
     "node_params": Variable(("parameter",), "1", "homogenised parameters of the neural ODEs"),
     "P_average": Variable(("load_step", "i", "J"), "stress", "force over cross-section"),
@@ -179,10 +179,9 @@ VARIABLES = {
     "P_identified": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "identified P at common F"),
     "P_true": Variable(("mode", "stretch_index", "cell", "i", "J"), "stress", "true P at common F"),
     "trace_P": Variable(("cell",), "stress", "indicator field from which the shape is read"),
-    "trace_P_spread": Variable(
-        ("cell",), "stress", "its standard deviation, by posterior samples and where interfaces cut cells"
-    ),
+    "trace_P_spread": Variable(("cell",), "stress", "its standard deviation, by samples and in cut cells"),
     "refuted_by": Variable(("cell",), "1", "what is missed and grows with the test, over noise; zero by chance"),
+    "refuted": Variable(("cell",), "1", "1 where that stands for deformation that counts for a stress"),
     "shape": Variable(("cell",), "1", "cells found to belong to the inclusion"),
     "phase_found": Variable(("cell",), "1", "number of the distinguishable phase of each cell, from the softest"),
     "shape_true": Variable(("cell",), "1", "cells that belong to the inclusion"),

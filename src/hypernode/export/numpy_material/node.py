@@ -50,7 +50,7 @@ def split_parameters(data, spec, X):
 
 
 def energy_derivatives(I, p):
-    """{invariant: dPsi/dI}; a term with fibres bears tension alone."""
+    """{invariant: dPsi/dI}; a term with fibres bears tension alone, and so does tr C - 2 of a compressible sheet."""
     spec = p["spec"]
     compressible = ["J"] in spec["terms"]
     shifted = {name: I[name] - REFERENCE[name] for name in REFERENCE}
@@ -62,7 +62,8 @@ def energy_derivatives(I, p):
     slope = POTENTIALS[spec["potential"]]
     for k, term in enumerate(spec["terms"]):
         value = sum(share * shifted[name] for share, name in zip(p["mixture"][k], term, strict=True))
-        value = positive_part(value) if any("I4" in name for name in term) else value
+        tension_only = any("I4" in name for name in term) or (compressible and term == ["I1"])
+        value = positive_part(value) if tension_only else value
         found = p["own"][k] * slope(value / spec["invariant_scale"], p["weights"][:, k], spec["hidden"], spec["steps"])
         for share, name in zip(p["mixture"][k], term, strict=True):
             total[name] = total[name] + share * found

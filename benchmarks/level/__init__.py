@@ -1,0 +1,1 @@
+"""How well sheets of known materials know the level of their stress, and whether wrong laws are refuted."""

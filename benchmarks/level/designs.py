@@ -1,0 +1,76 @@
+"""The sheets of three studies: seen in part, with elastic records that err, and of laws that are right or wrong."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from benchmarks.strangers.design import MODULUS, Sheet
+
+#: Of every sheet unless its study says otherwise: strain, grid and noise of a good camera, a load cell of class 0.5.
+USUAL = {
+    **{"shape": "none", "kind": "neo_hookean", "load": "clamped_y", "top": 0.25, "across": 1.0, "points": 25},
+    **{"seen": 1.0, "window": 0.0, "noise": 0.02, "step_pixels": 20.0},
+    **{"force_scatter": 0.002, "force_gain": 0.0, "force_zero": 0.0},
+}
+CONTRASTS, SEEN, SHAPES = (1.0, 2.0, 5.0), (0.6, 0.8, 1.0), ("disc", "stripe")
+PRELOADS, LATE = (0.0, 0.01, 0.02), (0, 1, 3)
+#: Kind of law -> its numbers beside the shear modulus.
+ELASTIC = {
+    "neo_hookean": {},
+    "yeoh": {"second": 0.15, "third": 0.03},
+    "ogden": {"alpha": -4.0},
+}
+RIGHT = ELASTIC | {"mooney_rivlin": {"share": 0.3}, "gent": {"J": 3.0}, "arruda_boyce": {"N": 3.0}}
+WRONG = {
+    "fung": {"a1": 6.0, "a2": 12.0, "a3": 2.0, "a4": 4.0, "angle": 0.4},
+    "crossed": {"k1": 2.0, "k2": 1.0, "angle": 0.3},
+    "softening": {"n": 0.2, "power": 0.3},
+}
+#: Noises of each law.
+REPEATS = 3
+
+
+def _sheet(seed: int, contrast: float = 1.0, further: Mapping[str, float] | None = None, **changed) -> Sheet:
+    phases = 1 if changed.get("shape", "none") == "none" else 2
+    laws = {"mu": MODULUS * np.array([1.0, contrast])[:phases]}
+    laws |= {name: np.full(phases, value) for name, value in (further or {}).items()}
+    return Sheet(seed=seed, laws=laws, **(USUAL | changed))
+
+
+def _seen() -> dict[str, Sheet]:
+    """Discs and stripes of neo-Hookean sheets, of which the middle is seen; contrast 1 is a sheet without either."""
+    found = {}
+    for contrast in CONTRASTS:
+        for shape in SHAPES if contrast > 1.0 else ("none",):
+            for seen in SEEN:
+                name = f"{shape}_{contrast:g}_seen_{seen:g}"
+                found[name] = _sheet(len(found) + 1, contrast, shape=shape, seen=seen)
+    return found
+
+
+def _records() -> dict[str, Sheet]:
+    """Sheets of one elastic material, stretched in the first picture, under a clock that is late."""
+    found = {}
+    for kind, further in ELASTIC.items():
+        for preload in PRELOADS:
+            for late in LATE:
+                name = f"{kind}_preload_{100 * preload:g}_late_{late}"
+                # Points at the very edge of a stretched sheet would lie beside it at rest.
+                changed = {"kind": kind, "preload": preload, "late": late, "window": 1.5}
+                found[name] = _sheet(len(found) + 101, further=further, **changed)
+    return found
+
+
+def _laws() -> dict[str, Sheet]:
+    """Discs of contrast 2, of laws that a sum of convex terms can be and of laws that it cannot."""
+    found = {}
+    for says, kinds in (("right", RIGHT), ("wrong", WRONG)):
+        for kind, further in kinds.items():
+            for repeat in range(REPEATS):
+                changed = {"kind": kind, "shape": "disc"}
+                found[f"{says}_{kind}_{repeat + 1}"] = _sheet(len(found) + 201, 2.0, further, **changed)
+    return found
+
+
+#: Study -> its sheets by name.
+STUDIES = {"seen": _seen, "records": _records, "laws": _laws}
