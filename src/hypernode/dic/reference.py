@@ -1,6 +1,7 @@
 """Whether the first frame shows the sheet at rest."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,22 @@ def is_compared_with_itself(points: Points) -> bool:
     """Whether a frame is the reference: its displacement is none but for rounding."""
     step = np.sqrt(np.prod(np.ptp(points.position[:, :2], axis=0)) / len(points.position))
     return bool(np.abs(np.nan_to_num(points.displacement)).max() <= _ITSELF * step)
+
+
+def refuse_several_frames(points: Points, dialect: Dialect) -> None:
+    """Nothing, where the first frame has each of its points once.
+
+    Raises:
+        DicError: most of them stand there several times, as in a table of all frames.
+    """
+    places, position = len(np.unique(points.position[:, :2], axis=0)), len(points.position)
+    if 2 * places > position or dialect.content != "frame":
+        return
+    option = replace(dialect, frame="NAME").option(unit=points.unit)
+    raise DicError(
+        f"{points.path}: {position} rows have {places} positions, so that each stands there {position / places:.3g} "
+        f"times: if it is a table of all frames, say which column has their number, {option}"
+    )
 
 
 def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[], Points]) -> None:
