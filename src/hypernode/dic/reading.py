@@ -16,7 +16,7 @@ from hypernode.dic.folder import dialect_of, find_series
 from hypernode.dic.grid import NearGrid
 from hypernode.dic.increments import accumulated
 from hypernode.dic.points import Points
-from hypernode.dic.reference import is_compared_with_itself, refuse_deformed_reference, refuse_several_frames
+from hypernode.dic.reference import is_compared_with_itself, refuse_deformed_reference
 from hypernode.dic.series import Frame, Series
 from hypernode.dic.sheet import Sheet, sheet_of
 from hypernode.dic.sources import backwards, frames_in, without_lost_zeros
@@ -59,7 +59,6 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
     if declared.newest_first:
         available, read = backwards(available, read)
     first = read(available[0])
-    refuse_several_frames(first, dialect)
     implied = not dialect.reference and not is_compared_with_itself(first)
     reference = _before(available) if implied else available[0]
     wanted = _wanted(folder, numbers, available, reference)

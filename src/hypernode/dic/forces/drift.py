@@ -17,8 +17,8 @@ class DriftLimits:
     Attributes:
         back: distance of the crosshead from its beginning, over its way, within which it is back. An elastic sheet has
             a fiftieth of its force there.
-        more, less: reading over the largest force. No sheet pulls more after the test than before it, so that load
-            cells of class 1 and recorders leave a hundredth; one that has become longer pushes until it buckles.
+        more, less: reading over the largest force. No sheet pulls more after the test than before it, and load cells of
+            class 1 leave a hundredth. A sheet that has become longer pushes until it buckles.
         rest: share of the largest force below which a force that stands after the test is that of a free sheet.
         samples: fewest that stand.
         scatter: of them over the largest force.
