@@ -181,3 +181,10 @@ def test_a_row_that_is_no_point_is_refused_with_the_way_out(tmp_path):
     assert "delete the line if it is no point" in said_of(inspect(tmp_path, GIVEN))
     with pytest.raises(DicError, match="thousands"):
         number_in("1,000.0", ".", blanks=True, where="frame.csv:3", line="1,000.0;1;0;0")
+
+
+def test_a_frame_that_is_misnamed_far_away_is_listed_in_no_time(tmp_path):
+    write(tmp_path, fields(), [*(f"frame{k}.csv" for k in range(8)), "frame999999999999.csv"])
+    write_record(tmp_path)
+    found = inspect(tmp_path, GIVEN)
+    assert found.field.absent[:2] == [8, 9] and len(found.field.absent) == 1000

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import scipy.ndimage
@@ -28,6 +29,10 @@ class Lost:
     def points(self) -> int:
         """All of them."""
         return self.outline + self.inside
+
+
+#: Most missing frames that are listed.
+_MOST_ABSENT = 1000
 
 
 @dataclass(frozen=True)
@@ -66,9 +71,14 @@ class Field:
 
     @property
     def absent(self) -> list[int]:
-        """Numbers that are missing between the first and the last frame, at their usual difference."""
+        """Numbers that are missing between the first and the last frame, at their usual difference: the first of them.
+
+        Frames that are named by a clock, or misnamed, are as far apart as their digits say.
+        """
         numbers = self.numbers
-        return sorted(set(range(numbers[0], numbers[-1] + 1, self.every)) - set(numbers))
+        there = set(numbers)
+        gone = (number for number in range(numbers[0], numbers[-1] + 1, self.every) if number not in there)
+        return list(islice(gone, _MOST_ABSENT))
 
     @property
     def step(self) -> tuple[float, float]:
