@@ -132,8 +132,7 @@ def mean_gradients(series: Series) -> Float[np.ndarray, "frame 2 2"]:
 
 
 def least_ring(series: Series) -> int | None:
-    """Fewest outermost rings whose loss leaves a rectangle with edges that are measured in most frames; None where
-    there is no such rectangle."""
+    """Fewest outer rings to drop, so that the edges of the rest are measured in most frames. None if none will do."""
     measured = np.mean([np.isfinite(frame.displacement).all(axis=2) for frame in series.frames], axis=0) >= 0.5
     for ring in range((min(measured.shape) - 1) // 2):
         inner = measured[ring : measured.shape[0] - ring, ring : measured.shape[1] - ring]
