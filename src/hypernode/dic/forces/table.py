@@ -91,7 +91,7 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
 
 
 def _likely_header(cuts: Iterable[list[Row]]) -> Row:
-    """(line, cells that are not empty) of what stands above the first numbers of a table, in its widest cut."""
+    """(line, cells that are not empty) of what stands above the first numbers, in the cut with the most numbers."""
     found = (0, 1, [])
     for rows in cuts:
         at = next((k for k, (_, row) in enumerate(rows) if sum(map(_numeric, row)) > 1), None)
@@ -101,7 +101,9 @@ def _likely_header(cuts: Iterable[list[Row]]) -> Row:
         # Names stand above units, and both have a cell for each number.
         above = [k for k in range(at) if _filled(rows[k][1]) >= width > 1] or [at]
         line, cells = rows[above[-2] if len(above) > 1 and above[-1] == above[-2] + 1 else above[-1]]
-        found = max(found, (width, line, [cell.strip() for cell in cells if cell.strip()]), key=lambda each: each[0])
+        # What is cut at a decimal sign has halves that are no numbers.
+        numbers = 2 * sum(map(_numeric, rows[at][1])) - width
+        found = max(found, (numbers, line, [cell.strip() for cell in cells if cell.strip()]), key=lambda each: each[0])
     if not found[0]:
         line, cells = next(iter(cuts))[0]
         return line, cells
