@@ -52,7 +52,7 @@ ablations: $(VENV)/run
 sweep: $(VENV)/run
 	$(RUN) --configfile config/ablations.yaml -- results/tables/sweep.md
 
-# The report is made aside and then filed among the results that it shows, with a record as they have.
+# All results on one page, results/index.html: made aside, then filed among them with a record as they have.
 report: $(VENV)/run
 	mkdir -p .cache
 	$(BIN)/snakemake --report .cache/report.zip

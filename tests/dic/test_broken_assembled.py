@@ -87,8 +87,8 @@ FAULTS = {
     "matrix: zero bytes": (matrix("Y"), lambda path: path.write_bytes(bytes(99)), "it holds zero bytes", False),
     "matlab: cut": (matlab, lambda path: path.write_bytes(path.read_bytes()[:2000]), "not what Ncorr saves", False),
     "matlab: no units": (matlab, dataset(f"{INFO}/units", lambda _: None), "not what Ncorr saves", False),
-    "matlab: inches": (
-        matlab, dataset(f"{INFO}/units", lambda _: np.array([[ord(c)] for c in "inch"])), "lengths in 'inch'", False,
+    "matlab: feet": (
+        matlab, dataset(f"{INFO}/units", lambda _: np.array([[ord(c)] for c in "foot"])), "lengths in 'foot'", False,
     ),
     "matlab: a text for the spacing": (
         matlab, dataset(f"{INFO}/spacing", lambda _: "four"), "not what Ncorr saves", False,

@@ -117,8 +117,8 @@ def in_units(export, position, displacement):
     export.cells(lambda cells: list(map(renamed, cells)), slice(0, 0), header=True)
 
 
-def inches(export):
-    in_units(export, "inch", "inch")
+def feet(export):
+    in_units(export, "foot", "foot")
     export.save()
 
 
@@ -181,7 +181,7 @@ FAULTS = {
     a_column_twice: ("two columns '|5 fields, the header has 4", True),
     another_delimiter: ("the header must be separated by|1 fields", True),
     the_other_decimal_sign: ("decimal comma|decimal point among|fields, the header has", True),
-    inches: ("no column '.*inch|lengths in 'inch'", None),
+    feet: ("no column '.*foot|lengths in 'foot'", None),
     positions_in_mm_and_displacements_in_pixels: (r"no column '.*\[(mm|px)\]|in different units \(mm, px\)", None),
     units_of_another_frame: (
         r"no column '.*\[(mm|px)\]|other columns or units \((mm|pixel)\) than|different units",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hypernode.mechanics.record_evidence import memory
 from hypernode.mechanics.relaxation import EVIDENCE, fit_relaxation
 
 END, PACE, FRAMES = 24.0, 0.01, 25
@@ -122,3 +123,15 @@ def test_the_factor_is_one_on_average_over_the_steps_however_long_the_record():
 def test_a_record_without_force_tells_nothing():
     found = fit_relaxation(CLOCK, pulled(CLOCK), np.zeros(len(CLOCK)), STEPS)
     np.testing.assert_array_equal(found.at(STEPS), 1.0)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 64, 65])
+def test_the_memory_of_a_course_is_the_sum_over_its_samples(count):
+    elastic, step, tau = np.random.default_rng(1).random((2, count)).cumsum(axis=1), 0.1, 0.7
+    rates = np.diff(elastic, prepend=elastic[:, :1]) / step
+    expected, total = np.zeros_like(elastic), np.zeros(2)
+    for k in range(count):
+        # Over one step the rate is constant, and what was there before fades.
+        total = np.exp(-step / tau) * total + tau * (1.0 - np.exp(-step / tau)) * rates[:, k]
+        expected[:, k] = total
+    np.testing.assert_allclose(memory(elastic, step, tau), expected, rtol=1e-12, atol=1e-15)

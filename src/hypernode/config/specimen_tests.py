@@ -72,12 +72,14 @@ class Table(Section):
     """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
     delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
     """What stands between cells; a blank stands for any run of blanks."""
-    decimal: Literal[".", ","] = "."
-    """Decimal sign."""
+    decimal: Literal[".", ","] | None = None
+    """Decimal sign; the file shows it where it is left out."""
     deformed: bool = False
     """Whether positions are those in the deformed sheet."""
     positions: bool = False
     """Whether u and v hold positions in the deformed sheet in the place of displacements."""
+    frame: Column | None = None
+    """Name of the column with the number of the frame, where one table holds all of them."""
 
 
 class Arrays(Section):

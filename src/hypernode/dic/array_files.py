@@ -1,7 +1,7 @@
 """Files of arrays, npz, HDF5 or MATLAB, as numeric arrays by their names."""
 
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ _BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFErr
 
 
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
-    """The numeric arrays of a file by their names; of MATLAB 7.3 and HDF5 those of groups as well.
+    """The numeric arrays of a file by their names; of MATLAB and HDF5 those of structures and groups as well.
 
     One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and
     y are the lines of a grid, it holds their points (row, column, 2).
@@ -63,9 +63,23 @@ def _arrays_in(path: Path) -> dict[str, np.ndarray]:
             return _of_hdf5(path)
         import scipy.io
 
-        return {k: v for k, v in scipy.io.loadmat(path).items() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"}
+        return _of_structures(scipy.io.loadmat(path))
     except _BROKEN as error:
         raise DicError(f"{path}: cannot be read as arrays: {error}") from None
+
+
+def _of_structures(values: Mapping[str, object], depth: int = 3) -> dict[str, np.ndarray]:
+    """Numeric arrays of a MATLAB file, and those in its structures by the names of their fields."""
+    found, inner = {}, {}
+    for name, value in values.items():
+        if not isinstance(value, np.ndarray):
+            continue
+        if value.dtype.kind in "fiu":
+            found[name] = value
+        elif value.dtype.names and value.size == 1 and depth:
+            fields = {each: value[each].item() for each in value.dtype.names}
+            inner |= _of_structures(fields, depth - 1)
+    return inner | found
 
 
 def _of_hdf5(path: Path) -> dict[str, np.ndarray]:

@@ -51,12 +51,14 @@ def holds_frames(path: Path, names: Mapping[str, str | None]) -> bool:
 def said_of(path: Path) -> str:
     """What a file without frames holds, for a message."""
     try:
-        names = shown(sorted(arrays_in(path)))
+        arrays = arrays_in(path)
     except DicError as error:
         return f"; {error}"
+    moving = named(arrays, "positions", {}) if named(arrays, "displacements", {}) is None else None
     return (
-        f"; {path.name} holds the arrays {names}: say which are what, --set 'arrays={{positions: NAME, displacements: "
-        "NAME, force: NAME, unit: mm}'"
+        f"; {path.name} holds the arrays {shown(sorted(arrays))}: say which are what, --set 'arrays={{positions: NAME, "
+        "displacements: NAME, force: NAME, unit: mm}'"
+        + (f"; if {moving!r} are those of every frame, store the first, and displacements from it" if moving else "")
     )
 
 

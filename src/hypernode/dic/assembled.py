@@ -57,6 +57,8 @@ def frames_of_stacked(path: Path, dialect: Dialect) -> dict[int, Points]:
         DicError: the table is broken, or a row has no number of a frame.
     """
     cells, line, units, preamble = read_table(path, dialect)
+    if dialect.frame not in cells:
+        raise DicError(f"{path}: no column {dialect.frame!r} with the number of the frame: correct it, table: frame")
     number = cells[dialect.frame]
     if not (whole := np.isfinite(number) & (number == np.round(number))).all():
         raise DicError(f"{path}:{line[np.argmin(whole)]}: {dialect.frame!r} holds no number of a frame")

@@ -34,7 +34,9 @@ _AXES = {
     "y": re.compile(r"verti[ck]al(?:e[rns]?)?|verticaal|pionow[ay]"),
 }
 #: Columns with the number of a frame, of tables that hold all of them.
-_FRAMES = ("frame", "framenumber", "frameno", "image", "imagenumber", "picture", "bild", "step", "loadstep", "stage")
+_FRAMES = ("frame", "framenumber", "frameno", "frameid", "frameindex", "image", "imagenumber", "imageno", "imageindex")
+_FRAMES += ("picture", "bild", "bildnummer", "bildnr", "step", "loadstep", "timestep", "stepnumber", "increment", "inc")
+_FRAMES += ("stage", "stufe", "laststufe")
 _SIGNS = (",", ";", "\t", " ")
 
 

@@ -230,8 +230,9 @@ DIALECTS = (
 BY_NAME = {dialect.name: dialect for dialect in DIALECTS}
 
 
-def declared(x: str, y: str, u: str, v: str, delimiter: str, decimal: str, deformed: bool, **more) -> Dialect:
-    """The dialect of a table whose columns the configuration names; ``more`` are its unit and positions."""
+def declared(x: str, y: str, u: str, v: str, delimiter: str, decimal: str | None, deformed: bool, **more) -> Dialect:
+    """The dialect of a table whose columns the configuration names; ``more`` are its unit, positions and frame."""
+    decimals = (decimal,) if decimal else (".",) if delimiter == "," else (".", ",")
     # A name may be given with its unit, as the header has it.
     return replace(
         BY_NAME["table"],
@@ -240,7 +241,7 @@ def declared(x: str, y: str, u: str, v: str, delimiter: str, decimal: str, defor
         y=(y,),
         u=(u,),
         v=(v,),
-        layouts=((delimiter, decimal),),
+        layouts=tuple((delimiter, each) for each in decimals),
         deformed=deformed,
         lost_position=not deformed,
         **more,

@@ -11,16 +11,14 @@ from hypernode.dic.column_names import named_table
 from hypernode.dic.dialect import Dialect
 from hypernode.dic.dialects import BY_NAME, DIALECTS, declared
 from hypernode.dic.errors import DicError
-from hypernode.dic.header import HEAD_BYTES, cells_of, is_number, shows
+from hypernode.dic.header import HEAD_BYTES, shows
+from hypernode.dic.nothing_found import SUFFIXES, nothing_found
 from hypernode.dic.numbering import numbered
-from hypernode.dic.text import read_text, shown
+from hypernode.dic.text import read_text
 
-SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *array_files.SUFFIXES}
 MATRIX = re.compile(r"^(?P<name>.*)_(?P<field>[A-Za-z]+) ?\[(?P<unit>\w+)\]\.csv$")
 _MATLAB = b"MATLAB 7.3 MAT-file"
 _TIME = re.compile(r"_(-?\d+[.,]\d+) ?s\.\w+$")
-#: Most files in the folder of one load step: a field, forces and what a program adds.
-_MOST_OF_A_STEP = 8
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ def find_series(folder: Path, dialect: Dialect | None = None) -> Found:
         groups.setdefault(_skeleton(path.name), []).append(path)
     series = [(found, group) for group in groups.values() if (found := _dialect_of(group, known))]
     if not series:
-        raise DicError(_nothing(folder, max(groups.values(), key=len, default=[]), known))
+        raise DicError(nothing_found(folder, max(groups.values(), key=len, default=[]), known))
     if series[0][0].content in ("matrices",):
         files = sorted(path for found, group in series if found is series[0][0] for path in group)
         series = [(series[0][0], files)]
@@ -90,7 +88,7 @@ def _by_clock(group: list[Path], clock: list[float]) -> tuple[dict[int, Path], d
 
 
 def _skeleton(name: str) -> str:
-    return re.sub(r"\d+", "#", re.sub(_TIME, "_#s", name))
+    return re.sub(r"\d+", "#", re.sub(_TIME, "_#s", name)).lower()
 
 
 def _dialect_of(group: list[Path], known) -> Dialect | None:
@@ -119,56 +117,6 @@ def _dialect_of(group: list[Path], known) -> Dialect | None:
         if known is DIALECTS and (named := named_table(lines)):
             return named
     return None
-
-
-def _nothing(folder: Path, paths: list[Path], known) -> str:
-    """What was seen in a folder without a series, of which the most files have these names, and what is known."""
-    expected = known[0].name if len(known) == 1 else "a format that is known"
-    about = f"{folder}: no frames: expected files such as Name0001.csv of {expected}; found"
-    inner = sorted(path for path in folder.iterdir() if path.is_dir() and any(path.glob("*.*")))
-    if inner and len(paths) < 2:
-        return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
-    if not paths and (single := sorted(path.name for path in folder.glob("*.npy"))):
-        return (
-            f"{about} {shown(single)}, an array each: put them into one file, numpy.savez('test.npz', x=..., y=..., "
-            "u=..., v=..., force=...), u and v by frame and point"
-        )
-    first, columns, more = "", "x: NAME, y: NAME, u: NAME, v: NAME", ""
-    for path in paths[:1]:
-        if path.suffix.lower() in array_files.SUFFIXES:
-            return f"{about} {shown(path.name for path in paths)}{arrays.said_of(path)}"
-        lines = read_text(path, HEAD_BYTES).splitlines() or [""]
-        first = f"; {path.name} begins {lines[0][:60]!r}"
-        sign = next((sign for sign in ",;\t " if len(cells_of(lines[0], sign)) >= len("xyuv")), ",")
-        more = f", delimiter: {sign!r}" if sign != "," else ""
-        if all(is_number(cell.replace(",", ".") if sign != "," else cell) for cell in cells_of(lines[0], sign)):
-            first += " and has no header"
-            columns = "x: 1, y: 2, u: 3, v: 4"
-    return (
-        f"{about} {shown(path.name for path in paths) or 'no table'}{first}; for any other table set format to table, "
-        f'and table to its columns: --set format=table --set "table={{{columns}{more}, unit: mm}}"'
-    )
-
-
-def _inner(folders: list[Path]) -> str:
-    """What folders within a folder are: steps of a test, one table in each, or tests."""
-    tables = [[path for path in each.iterdir() if path.suffix.lower() in SUFFIXES] for each in folders]
-    names = [{re.sub(r"\d+", "#", path.name) for path in each} for each in tables]
-    steps = len(folders) > 1 and all(re.fullmatch(r"\D*\d+\D*", each.name) for each in folders)
-    whole = all(len(each) == len(tables[0]) for each in tables) and 0 < len(tables[0]) <= _MOST_OF_A_STEP
-    if not steps or not whole or any(each != names[0] for each in names):
-        return "each test has a folder of its own"
-    ordered = sorted(folders, key=lambda each: int(re.search(r"\d+", each.name)[0]))
-    frame = max(tables[0], key=lambda path: path.stat().st_size)
-    step = f"Step{int(re.search(r'[0-9]+', ordered[0].name)[0]):04d}{frame.suffix}"
-    return (
-        f"with the same files in each, {shown(sorted(path.name for path in tables[0]))}, they look like the steps of "
-        "one test. Copy their "
-        f"tables into one folder, {ordered[0].name}/{frame.name} as {step} and so on, and write their forces into one "
-        "record, force_disp.csv: the columns Time and Force, or Force x and Force y, a line of units, a line for the "
-        "sheet at rest, a line a step. Say frame_rate, steps in a second of its Time (--frame-rate). Where no table "
-        "shows the sheet at rest, say implied_reference: true (--set implied_reference=true)"
-    )
 
 
 def dialect_of(test: SpecimenTest) -> Dialect | None:

@@ -66,7 +66,7 @@ def _said(series: Series) -> FrameClock | None:
 
 
 def times_contradicted(test: SpecimenTest, series: Series) -> str:
-    """A sentence where the frame rate says other times than the files, by more than a frame; else empty."""
+    """A sentence if the frame rate and the files differ by more than a frame. Empty if they agree."""
     said = _said(series)
     if test.frame_rate is None or said is None:
         return ""

@@ -15,8 +15,9 @@ HEAD_LINES, HEAD_BYTES = 300, 1 << 17
 LENGTHS = {
     "pixel": ("pixel", 1.0), "pixels": ("pixel", 1.0), "px": ("pixel", 1.0),
     "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
-    "μm": ("mm", 1e-3), "micron": ("mm", 1e-3), "microns": ("mm", 1e-3),
+    "μm": ("mm", 1e-3), "micron": ("mm", 1e-3), "microns": ("mm", 1e-3), "in": ("mm", 25.4), "inch": ("mm", 25.4),
 }  # fmt: skip
+_COMMA = re.compile(r"\d,\d")
 _DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
 
 
@@ -34,13 +35,24 @@ class Layout:
 def cells_of(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without quotes and blanks around them; a blank as delimiter is any run of blanks."""
     if delimiter == " ":
-        return line.split()
+        return with_units(line.split())
     if '"' in line:
         try:
             return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
         except (csv.Error, StopIteration):
             return []
     return [cell.strip() for cell in line.split(delimiter)]
+
+
+def with_units(cells: list[str]) -> list[str]:
+    """Cells that stood between blanks, of which a unit in brackets belongs to the name before it."""
+    merged: list[str] = []
+    for cell in cells:
+        if merged and cell[:1] in ("[", "(") and cell[-1:] in ("]", ")"):
+            merged[-1] += f" {cell}"
+        else:
+            merged.append(cell)
+    return merged
 
 
 def bare(name: str) -> str:
@@ -77,7 +89,7 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
             if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
                 continue
             decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
-            comma = len(decimals) > 1 and any("," in each for each in lines[index + 1 :])
+            comma = len(decimals) > 1 and _has_decimal_comma(lines[index + 1 :])
             decimal = "," if comma or decimals == {","} else "."
             units = _units_below(lines[index + 1 : index + 2], delimiter, len(names))
             if units is None or any(bare(name) != name for name in names):
@@ -86,6 +98,11 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
                 [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)], delimiter, decimal, index + 1
             )
     return None
+
+
+def _has_decimal_comma(lines: list[str]) -> bool:
+    """Whether a comma stands between digits: one in a word says nothing of numbers."""
+    return any("," in line and _COMMA.search(line) for line in lines)
 
 
 def _units_below(lines: list[str], delimiter: str, width: int) -> list[str] | None:
@@ -102,7 +119,9 @@ def _without_names(lines: list[str], dialect: Dialect) -> Layout | None:
         for delimiter, decimal in dialect.layouts:
             cells = [cell.replace(",", ".") if decimal == "," else cell for cell in cells_of(line, delimiter)]
             if min(wanted) >= 0 and max(wanted) < len(cells) and all(is_number(cells[k]) for k in wanted):
-                return Layout([str(k + 1) for k in range(len(cells))], delimiter, decimal, index - 1)
+                # Whole numbers in the first row say nothing of the sign.
+                comma = (delimiter, ",") in dialect.layouts and _has_decimal_comma(lines[index:])
+                return Layout([str(k + 1) for k in range(len(cells))], delimiter, "," if comma else decimal, index - 1)
     return None
 
 

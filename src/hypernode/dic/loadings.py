@@ -13,7 +13,7 @@ _COUNTS = 0.5
 
 @dataclass(frozen=True)
 class Loading:
-    """Places of two frames: that from which the sheet is pulled, and that in which it is pulled furthest."""
+    """Where one loading begins and ends, as places of frames."""
 
     start: int
     peak: int

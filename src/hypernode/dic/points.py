@@ -22,7 +22,7 @@ _STRAY = 10.0
 
 @dataclass(frozen=True)
 class Points:
-    """Measured points of one frame, as its file gives them; the third component, where there is one, is out of plane.
+    """Measured points of one frame, as its file gives them. A third component is out of plane.
 
     Attributes:
         position: in the reference sheet.

@@ -1,6 +1,7 @@
 """Whether the first frame shows the sheet at rest."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,9 +31,11 @@ def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[],
         last: reads the last frame.
 
     Raises:
-        DicError: it does not; the message says which key does, where the last frame is at rest or none of them is.
+        DicError: it does not, or holds all frames. The message says which key does, where the last frame is at rest or
+            none of them is.
     """
     points, step = sheet.at_rest, float(min(sheet.grid.step))
+    _refuse_several_frames(points, dialect)
     size = _moved(points)
     if not np.isfinite(size).any() or np.nanmax(size) <= _AT_REST * step:
         return
@@ -48,6 +51,22 @@ def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[],
         f"{about}export the reference of {dialect.software}, whose displacement is zero, as its first frame; where "
         "displacements are from the sheet at rest, which is in no file, say implied_reference: true (--set "
         "implied_reference=true)"
+    )
+
+
+def _refuse_several_frames(points: Points, dialect: Dialect) -> None:
+    """Nothing, where the first frame has each of its points once.
+
+    Raises:
+        DicError: most of them stand there several times, as in a table of all frames.
+    """
+    places, position = len(np.unique(points.position[:, :2], axis=0)), len(points.position)
+    if 2 * places > position or dialect.content != "frame":
+        return
+    option = replace(dialect, frame="NAME").option(unit=points.unit)
+    raise DicError(
+        f"{points.path}: {position} rows have {places} positions, so that each stands there {position / places:.3g} "
+        f"times: if it is a table of all frames, say which column has their number, {option}"
     )
 
 

@@ -55,7 +55,7 @@ def _upward(points: Points, dialect: Dialect) -> Points:
 
 
 def without_lost_zeros(points: Points, dialect: Dialect) -> Points:
-    """Points of which those are lost whose displacement is exactly zero, where that marks a lost one."""
+    """The points, without displacements of exactly zero where zero marks a lost point."""
     if not dialect.zero_is_lost:
         return points
     u = points.displacement.copy()

@@ -149,7 +149,11 @@ def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> f
         return float("_" if "_" in word or (turned and "." in word) else word.replace(",", ".") if turned else word)
     except ValueError:
         seen = ("." in word and "a decimal point among decimal commas") if turned else ("," in word and "decimal comma")
-        hint = f" ({seen}? export with decimal points)" if seen else ""
+        hint = f" ({seen}? export with decimal points and no sign of thousands)" if seen else ""
+        if not turned and {".", ","} <= set(word):
+            hint = " (thousands? export without their sign)"
+        elif not any(map(str.isdigit, word)):
+            hint = ": delete the line if it is no point"
         raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
 
 

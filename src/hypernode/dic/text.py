@@ -37,7 +37,7 @@ def read_text(path: Path, limit: int = MAX_BYTES) -> str:
 
 
 def readings(path: Path) -> Iterator[str]:
-    """A file as text, then as the code pages of other alphabets have it, where it is not in UTF-8.
+    """A file as text. If it is not in UTF-8, the texts in code pages of other alphabets follow.
 
     Only the words of a header differ: numbers are alike in all of them.
 

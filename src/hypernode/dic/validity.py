@@ -61,7 +61,7 @@ def named_columns(path: Path, line: int, names: list[str], valid: Mapping[str, R
 
 
 def value_of(cell: str, decimal: str) -> float:
-    """The number in a cell of such a column, NaN where there is none; of a word -1 where it says no, else 1."""
+    """The number in a cell of such a column: NaN if it is empty, -1 for a word that says no, 1 for any other word."""
     word = cell.strip().strip('"').lower()
     if word in NOT_A_NUMBER:
         return np.nan

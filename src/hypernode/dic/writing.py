@@ -10,7 +10,7 @@ from hypernode.dic.series import Series
 
 
 def write_series(series: Series, folder: Path, name: str = "frame") -> list[Path]:
-    """Write one file a frame, columns x, y, u, v with their unit, y upward, displacements empty where lost.
+    """Write one file a frame: columns x, y, u, v with their unit, y upward. Lost displacements are empty cells.
 
     Returns:
         The files, in order.

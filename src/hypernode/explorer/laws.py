@@ -1,4 +1,4 @@
-"""Materials as the page holds them: a law as text, and its parameters in every cell in as few bits as that takes."""
+"""Materials as the page holds them: a law as text, and its parameters in every cell in few bits."""
 
 from collections.abc import Callable
 

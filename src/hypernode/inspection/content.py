@@ -11,6 +11,8 @@ from hypernode.dic.header import HEAD_BYTES, bare, layout_of
 from hypernode.dic.text import read_text
 from hypernode.dic.validity import known_columns
 
+#: Endings of records beside those of tables: Zwick, LabVIEW, loggers and printers to a file.
+_RECORDS = {".tra", ".lvm", ".log", ".prn"}
 #: Endings of what cameras write.
 PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
 
@@ -45,7 +47,7 @@ def content_of(test: SpecimenTest) -> Content:
         found, refusal = None, _without_displacements(pictures) or str(error)
     frames = set(found.files.values()) if found else set()
     # No testing machine writes arrays, although displacements may stand in them.
-    endings = SUFFIXES - ARRAYS
+    endings = SUFFIXES - ARRAYS | _RECORDS
     tables = tuple(path for path in files if path.suffix.lower() in endings and path not in frames)
     return Content(folder, found, refusal, pictures, tables)
 

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import scipy.ndimage
@@ -28,6 +29,10 @@ class Lost:
     def points(self) -> int:
         """All of them."""
         return self.outline + self.inside
+
+
+#: Most missing frames that are listed.
+_MOST_ABSENT = 1000
 
 
 @dataclass(frozen=True)
@@ -66,9 +71,14 @@ class Field:
 
     @property
     def absent(self) -> list[int]:
-        """Numbers that are missing between the first and the last frame, at their usual difference."""
+        """Numbers that are missing between the first and the last frame, at their usual difference: the first of them.
+
+        Frames that are named by a clock, or misnamed, are as far apart as their digits say.
+        """
         numbers = self.numbers
-        return sorted(set(range(numbers[0], numbers[-1] + 1, self.every)) - set(numbers))
+        there = set(numbers)
+        gone = (number for number in range(numbers[0], numbers[-1] + 1, self.every) if number not in there)
+        return list(islice(gone, _MOST_ABSENT))
 
     @property
     def step(self) -> tuple[float, float]:
@@ -122,8 +132,7 @@ def mean_gradients(series: Series) -> Float[np.ndarray, "frame 2 2"]:
 
 
 def least_ring(series: Series) -> int | None:
-    """Fewest outermost rings whose loss leaves a rectangle with edges that are measured in most frames; None where
-    there is no such rectangle."""
+    """Fewest outer rings to drop, so that the edges of the rest are measured in most frames. None if none will do."""
     measured = np.mean([np.isfinite(frame.displacement).all(axis=2) for frame in series.frames], axis=0) >= 0.5
     for ring in range((min(measured.shape) - 1) // 2):
         inner = measured[ring : measured.shape[0] - ring, ring : measured.shape[1] - ring]

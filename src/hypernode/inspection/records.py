@@ -109,9 +109,13 @@ def record_of_test(
         return None, missing(f"which force record is that of the test: {_listed(files)}", "force_file")
     workbooks = sorted(path.name for path in Path(test.folder).glob("*.xls*"))
     table = f"; save {workbooks[0]}, which is a workbook, as CSV" if workbooks else ""
+    # A way that asks for names is of a table; whatever else lies there has none.
+    tables = [path for path in others if "force_channel" in others[path]]
+    likely = max(tables, key=lambda path: path.stat().st_size, default=None)
+    asked = f". If {likely.name} is it: {others[likely]}" if likely else ""
     return None, missing(
         f"there is no force record among the files{table}: put the testing machine's into the folder, or say that none "
-        "was recorded, --set force_file=null, and the material is known up to one factor",
+        f"was recorded, --set force_file=null, and the material is known up to one factor{asked}",
         "force_file",
     )
 

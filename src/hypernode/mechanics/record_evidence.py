@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import nnls
-from scipy.signal import lfilter
 
 from hypernode.mechanics.elastic_curves import elastic_curves
 
@@ -101,7 +100,13 @@ def memory(
 ) -> Float[np.ndarray, "*column sample"]:
     """∫ exp(-(t - s)/τ) d(elastic) for samples at equal steps of time, linear between them."""
     decay = np.exp(-step / tau)
-    return lfilter([(1.0 - decay) * tau / step], [1.0, -decay], np.diff(elastic, prepend=elastic[..., :1]))
+    total = (1.0 - decay) * tau / step * np.diff(elastic, prepend=elastic[..., :1])
+    # The sum of decay^k over k samples before, of twice as many in each turn.
+    back = 1
+    while back < total.shape[-1]:
+        total[..., back:] += decay**back * total[..., :-back]
+        back *= 2
+    return total
 
 
 def _columns(record: Record, shift: float):

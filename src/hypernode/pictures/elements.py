@@ -25,7 +25,7 @@ _FOLDED = 0.1
 
 
 def lattice(mask: Bool[np.ndarray, "row column"], side: int) -> Mesh | None:
-    """Square elements whose pixels all lie in a mask, as a grid in the middle of it; None where none does.
+    """Square elements within a mask, as a grid in its middle. None if the mask holds no element.
 
     A node is a pixel; those of an element are the ones from its first column and row on, its last ones excluded.
 

@@ -42,7 +42,7 @@ def seconds_of(paths: list[Path]) -> Float[np.ndarray, " picture"] | None:
 
 
 def read_pictures(paths: list[Path]) -> UInt[np.ndarray, "frame row column"]:
-    """Grey values of pictures of one size, of 16 bit where they have as many, else of 8; colours by their luminance.
+    """Grey values of pictures of one size, of 8 or 16 bit as the files have them. Colours count by their luminance.
 
     Raises:
         PictureError: one of them cannot be read, or has another size.

@@ -114,7 +114,7 @@ def run_files(config: Config, case: str, method: str) -> list[str]:
 
 
 def run_benchmarks(config: Config, case: str, method: str) -> list[str]:
-    """The timing of every job of a run; that of a stage which it shares is with the run that it shares it with."""
+    """The timing of every job of a run, without those of stages that it shares with another run."""
     settings = config.methods[method]
     rules = {"initialised": "initialisation", "pretrained": "pretraining"}
     rules["material"] = "training"

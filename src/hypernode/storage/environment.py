@@ -42,7 +42,7 @@ def versions() -> dict[str, str]:
 
 
 def compiler() -> dict[str, str]:
-    """Flags and precision of this process, as its job has set them; a variable that is not set is left out."""
+    """Flags and precision of this process, as its job has set them. Variables that are not set are left out."""
     return {name: os.environ[name] for name in COMPILER_VARIABLES if name in os.environ}
 
 

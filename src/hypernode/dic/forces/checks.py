@@ -12,10 +12,14 @@ from jaxtyping import Float
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong with a record: a sentence, and whether the record is refused for it."""
+    """One thing that is wrong with a record: a sentence, and whether the record is refused for it.
+
+    ``explains``: whether it is said with what is refused, since it may be the cause.
+    """
 
     sentence: str
     refused: bool
+    explains: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,6 +198,7 @@ def check_jumps(
             f"{limits.jump_over_neighbours:g} times what it does before and after: a spike, a slip, or a zero that was "
             "set anew; --set 'frames=[...]' chooses load steps elsewhere",
             False,
+            explains=True,
         )
     ]
 

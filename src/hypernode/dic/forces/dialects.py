@@ -22,7 +22,8 @@ class ForceDialect:
         force: names of its column by axis; no names where the unit alone tells.
         displacement: names of the crosshead's or actuator's column by axis.
         image: names of the column with the number of the picture, or the picture's file.
-        units: in a row below the names, in brackets behind each name, or behind its last underscore.
+        units: in a row below the names, in brackets behind each name or after a sign as in ``Force / N``, or behind
+            its last underscore.
         also: further columns that the header must have.
         begins: how the first line of the file begins.
         preamble: largest number of lines above the header.
@@ -218,14 +219,18 @@ DIALECTS = (
 
 #: Factors to s, N, mm and MPa. Case matters: mN is not MN. A column in V holds what no calibration has turned into a
 #: force.
-TIME_UNITS = {"s": 1.0, "S": 1.0, "sec": 1.0, "Sec": 1.0, "SEC": 1.0, "ms": 1e-3, "min": 60.0}
+TIME_UNITS = {
+    **dict.fromkeys(("s", "S", "sec", "Sec", "SEC", "sec.", "Sec.", "secs", "second", "seconds", "Seconds"), 1.0),
+    **dict.fromkeys(("Sek", "sek", "Sek.", "Sekunden", "с", "сек", "сек.", "秒"), 1.0),
+    "ms": 1e-3, "msec": 1e-3, "мс": 1e-3, "min": 60.0, "min.": 60.0, "minutes": 60.0, "мин": 60.0,
+}  # fmt: skip
 FORCE_UNITS = {
     "N": 1.0, "n": 1.0, "kN": 1e3, "KN": 1e3, "kn": 1e3, "mN": 1e-3, "mn": 1e-3, "uN": 1e-6, "µN": 1e-6,
     "daN": 10.0, "cN": 0.01, "kgf": 9.80665, "kp": 9.80665, "gf": 9.80665e-3, "lbf": 4.4482216152605,
     "kg": 9.80665, "Kg": 9.80665, "KG": 9.80665, "Kgf": 9.80665, "KGF": 9.80665, "g": 9.80665e-3,
     "lb": 4.4482216152605, "lbs": 4.4482216152605, "LBF": 4.4482216152605, "lbF": 4.4482216152605,
-    "Newton": 1.0, "newton": 1.0, "Newtons": 1.0, "newtons": 1.0,
+    "Newton": 1.0, "newton": 1.0, "Newtons": 1.0, "newtons": 1.0, "Н": 1.0, "кН": 1e3, "мН": 1e-3, "кгс": 9.80665,
 }  # fmt: skip
-LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3}
+LENGTH_UNITS = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "m": 1e3, "мм": 1.0, "in": 25.4, "inch": 25.4}
 STRESS_UNITS = {"MPa": 1.0, "N/mm2": 1.0, "N/mm²": 1.0, "N/mm^2": 1.0, "kPa": 1e-3, "Pa": 1e-6, "GPa": 1e3}
 VOLTS = ("V", "mV", "v", "mv", "Volt", "volt")

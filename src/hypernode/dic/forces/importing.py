@@ -11,6 +11,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.drift import drift_findings
 from hypernode.dic.forces.growth import growth_findings
 from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
@@ -133,7 +134,7 @@ def import_forces(
             paired = pairing_of(test, pull, series, part)
             pairing = np.maximum(pairing, paired.relative(pull, chosen))
             found += crosshead_findings(test, pull, series, part, sides) + section_findings(pull, area)
-            found += paired.findings + growth_findings(test, pull, series, part)
+            found += paired.findings + growth_findings(test, pull, series, part) + drift_findings(test, pull)
         about = f"along {'xy'[part[0]]}: " if several else ""
         findings += [replace(each, sentence=about + each.sentence) for each in found]
     first = next(iter(pulls.values()))
@@ -242,9 +243,8 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:
     """The sentences of what is only strange, each said; whatever is refused comes together in one error."""
-    refused = [finding.sentence for finding in findings if finding.refused]
-    if refused:
-        raise DicError(f"{path}: " + "; and ".join(refused))
+    if any(finding.refused for finding in findings):
+        raise DicError(f"{path}: " + "; and ".join(each.sentence for each in findings if each.refused or each.explains))
     for finding in findings:
         say("import", folder, f"warning: {path.name}: {finding.sentence}")
     return tuple(finding.sentence for finding in findings)

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 _SHOWN = 40
 _NUMBER = re.compile(r"^[+-]?(?P<digits>[\d.,]*\d[\d.,]*)(?:[eE][+-]?\d+)?$")
 _GROUPED = re.compile(r"^[+-]?[1-9]\d{0,2}(?P<sign>[.,])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?(?:[eE][+-]?\d+)?$")
+#: Thousands apart by a blank, a narrow one, or an apostrophe: no program writes decimals so.
+_APART = re.compile(r"^[+-]?[1-9]\d{0,2}(?P<sign>[ \xa0\u202f'\u2019])\d{3}(?:(?P=sign)\d{3})*(?:[.,]\d*)?$")
 
 
 class AmbiguousNumbersError(ValueError):
@@ -15,6 +17,13 @@ class AmbiguousNumbersError(ValueError):
     def __init__(self, line: int, text: str):
         super().__init__(text)
         self.line = line
+
+
+def _together(text: str) -> str:
+    """A number without blanks around it and without blanks or apostrophes between its thousands."""
+    text = text.strip()
+    match = _APART.match(text)
+    return text.replace(match["sign"], "") if match else text
 
 
 def _decimal_of(text: str) -> str | None:
@@ -44,7 +53,7 @@ def decimal_sign(cells: Iterable[tuple[int, str]]) -> str:
     """
     proved, doubtful = {}, None
     for line, text in cells:
-        text = text.strip()
+        text = _together(text)
         sign = _decimal_of(text)
         if sign:
             proved.setdefault(sign, (line, text[:_SHOWN]))
@@ -72,7 +81,7 @@ def parse_number(text: str, decimal: str) -> float:
     Raises:
         ValueError: it holds none.
     """
-    text = text.strip()
+    text = _together(text)
     thousands = "." if decimal == "," else ","
     if "_" in text:
         raise ValueError(f"{text!r} is not a number")

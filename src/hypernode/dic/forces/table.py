@@ -3,12 +3,21 @@
 import csv
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.dialects import DIALECTS, ForceDialect
+from hypernode.dic.forces.dialects import (
+    DIALECTS,
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    STRESS_UNITS,
+    TIME_UNITS,
+    VOLTS,
+    ForceDialect,
+)
+from hypernode.dic.header import is_number, with_units
 from hypernode.dic.text import readings, shown
 
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
@@ -18,6 +27,9 @@ LONGEST_LIST = 200
 #: Number of a line, and its cells.
 Row = tuple[int, list[str]]
 _SUFFIX = re.compile(r"^(?P<name>.*)_(?P<unit>[^_]+)$")
+#: A unit after a sign, as in Force / N, Force, N and F in N.
+_SIGN = re.compile(r"^(?P<name>.+?)\s*(?:/|,|\s+in\s)\s*(?P<unit>[^\s/,]+)$")
+_UNITS = {*TIME_UNITS, *FORCE_UNITS, *LENGTH_UNITS, *STRESS_UNITS, *VOLTS}
 
 
 @dataclass(frozen=True)
@@ -53,28 +65,53 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
     if not known:
         names = ", ".join(each.name for each in DIALECTS)
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
-    first: list[Row] = []
+    cuts: dict[str, list[Row]] = {}
     for text in readings(path):
         for each, delimiter in ((dialect, sign) for dialect in known for sign in dialect.delimiters):
             rows = _cut(path, text, delimiter)
-            first = first or rows
+            cuts.setdefault(delimiter, rows)
             table = _in_dialect(path, rows, each, channels, time)
             if table is not None:
                 if not text.endswith(("\n", "\r")):
                     _refuse_cut(table)
                 return table
-    if len(first) < 3:
+    if all(len(rows) < 3 for rows in cuts.values()):
         raise DicError(f"{path}: {_TOO_SHORT}")
-    if all(cell.strip().lstrip("+-")[:1].isdigit() for cell in first[0][1]):
+    line, header = _likely_header(cuts.values())
+    if all(cell.strip().lstrip("+-")[:1].isdigit() for cell in header):
         raise DicError(
-            f"{path}:1: {shown(first[0][1])} are numbers, and no line says which columns they are: write one above "
+            f"{path}:{line}: {shown(header)} are numbers, and no line says which columns they are: write one above "
             "them, as Time (s),Force (N)"
         )
     program = "of no known program" if wanted is None else f"not of {known[0].program}"
     raise DicError(
-        f"{path}:1: {shown(first[0][1])} are no known names of a force and of a time or picture, and the header is "
+        f"{path}:{line}: {shown(header)} are no known names of a force and of a time or picture, and the header is "
         f"{program}: say which columns they are, --set force_channel=NAME and --set time_channel=NAME, or rename them"
     )
+
+
+def _likely_header(cuts: Iterable[list[Row]]) -> Row:
+    """(line, cells that are not empty) of what stands above the first numbers, in the cut with the most numbers."""
+    found = (0, 1, [])
+    for rows in cuts:
+        at = next((k for k, (_, row) in enumerate(rows) if sum(map(_numeric, row)) > 1), None)
+        if at is None:
+            continue
+        width = _filled(rows[at][1])
+        # Names stand above units, and both have a cell for each number.
+        above = [k for k in range(at) if _filled(rows[k][1]) >= width > 1] or [at]
+        line, cells = rows[above[-2] if len(above) > 1 and above[-1] == above[-2] + 1 else above[-1]]
+        # What is cut at a decimal sign has halves that are no numbers.
+        numbers = 2 * sum(map(_numeric, rows[at][1])) - width
+        found = max(found, (numbers, line, [cell.strip() for cell in cells if cell.strip()]), key=lambda each: each[0])
+    if not found[0]:
+        line, cells = next(iter(cuts))[0]
+        return line, cells
+    return found[1:]
+
+
+def _numeric(cell: str) -> bool:
+    return is_number(cell.strip().replace(",", "."))
 
 
 def _refuse_cut(table: Table) -> None:
@@ -112,9 +149,11 @@ def _cut(path: Path, text: str, delimiter: str) -> list[Row]:
     """(line on which it ends, cells) of every row."""
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True)
     try:
-        return [(reader.line_num, row) for row in reader]
+        rows = [(reader.line_num, row) for row in reader]
     except csv.Error as error:
         raise DicError(f"{path}:{reader.line_num}: cannot be read: {error}") from None
+    # A unit in brackets behind a blank is part of the name before it.
+    return [(line, with_units(row)) for line, row in rows] if delimiter == " " else rows
 
 
 def _in_dialect(
@@ -175,6 +214,8 @@ def _filled(cells: list[str]) -> int:
 def _name_and_unit(cell: str, units: str) -> tuple[str, str]:
     pattern = {"brackets": _BRACKETS, "suffix": _SUFFIX}.get(units)
     match = pattern.match(cell.strip()) if pattern else None
+    if units == "brackets" and match is None and (after := _SIGN.match(cell.strip())) and after["unit"] in _UNITS:
+        match = after
     return (match["name"].strip().lower(), match["unit"].strip()) if match else (cell.strip().lower(), "")
 
 

@@ -62,7 +62,7 @@ def belongs_to_the_sheet(displacement: Float[np.ndarray, "step row column 2"], s
 
 
 def as_independent(level: Float[np.ndarray, "step 2"], shared: float) -> Float[np.ndarray, "step 2"]:
-    """Level of independent errors whose mean is as uncertain as that of errors which steps share.
+    """Level of independent errors that make the mean of the steps as uncertain as shared errors do.
 
     The mean of n values of variance s^2 and correlation r has the variance s^2 (1 + (n - 1) r) / n.
     """
