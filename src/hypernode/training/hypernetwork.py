@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from hypernode.config.methods import POINTWISE
 from hypernode.material.laws import node_stress
 from hypernode.progress import say
 from hypernode.training.loop import Fit, minimise
@@ -77,7 +78,9 @@ def train(problem: InverseProblem) -> Fit:
     method, settings = problem.method, problem.method.training
     params, apply = problem.trainable()
     physics = LOSSES[settings.equilibrium](problem, settings)
-    F, steps = problem.F, problem.F.shape[2]
+    # Losses at points evaluate the stress there themselves.
+    steps = 0 if settings.equilibrium in POINTWISE else problem.F.shape[2]
+    F = problem.F[:, :, :steps]
     if settings.variation_weight > 0:
         mean_F, contours = variation(problem)
         F = jnp.concatenate([F, mean_F], axis=2)
@@ -89,7 +92,7 @@ def train(problem: InverseProblem) -> Fit:
         network = apply(params)
         node_params = network(problem.X).T
         # All deformations in one go: the neural ODEs are most of what there is to compile.
-        P = node_stress(problem.node, F, node_params)
+        P = node_stress(problem.node, F, node_params) if F.size else F
         total = physics(P[:, :, :steps], network, key)
         if method.prior_weight > 0:
             total += method.prior_weight * problem.node.departure(node_params, problem.centre)

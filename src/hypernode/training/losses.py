@@ -82,7 +82,8 @@ def mesh_gather(mesh, nodes) -> Callable:
 def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = False):
     """Div P at points by forward-mode derivatives along X and Y.
 
-    (Div P)_i = dP_iX/dX + dP_iY/dY with P not symmetric (equation ``eq:equilibrium``).
+    (Div P)_i = dP_iX/dX + dP_iY/dY with P not symmetric (equation ``eq:equilibrium``). The network is differentiated
+    once for all load steps. These then follow one another, so that what one step needs stays in the cache.
 
     Args:
         network: hyper-network.
@@ -92,17 +93,27 @@ def divergence(problem: InverseProblem, network, X, F, dF, transposed: bool = Fa
         transposed: differentiate P^T instead, the slip whose effect is an ablation.
 
     Returns:
-        (divergence[i, step, point], P).
+        divergence[i, step, point].
     """
-    node_params, along = jax.linearize(lambda X: network(X).T, X)
-    # Both coordinates at once: one by one a step takes a sixth longer.
-    unit = jnp.eye(2, dtype=X.dtype)[:, None]
-    dparams = jax.vmap(along)(jnp.broadcast_to(unit, (2, *X.shape))) / problem.length
-    P, tangent = jax.linearize(lambda F, p: node_stress(problem.node, F, p), F, node_params)
-    dP = jax.vmap(tangent)(dF, dparams)
-    if transposed:
-        dP = jnp.swapaxes(dP, 1, 2)
-    return dP[0][:, 0] + dP[1][:, 1], P
+    unit = jnp.broadcast_to(jnp.eye(2, dtype=X.dtype)[:, None], (2, *X.shape)) / problem.length
+    node_params, dparams = _along(lambda X: network(X).T, (X,), (unit,))
+
+    def at_step(deformation):
+        """Divergence [i, point] of one load step from its F and dF."""
+        F, dF = deformation
+        _, dP = _along(partial(node_stress, problem.node), (F, node_params), (dF, dparams))
+        if transposed:
+            dP = jnp.swapaxes(dP, 1, 2)
+        return dP[0][:, 0] + dP[1][:, 1]
+
+    found = jax.lax.map(at_step, (jnp.moveaxis(F, 2, 0), jnp.moveaxis(dF, 3, 0)))
+    return jnp.moveaxis(found, 0, 1)
+
+
+def _along(function, arguments, directions):
+    """(value, derivatives [k, ...]) along several directions, the first axis of each of ``directions``."""
+    # All directions at once: the value, which they share, is computed once.
+    return jax.vmap(lambda *along: jax.jvp(function, arguments, along), out_axes=(None, 0))(*directions)
 
 
 def autodiff(
@@ -125,7 +136,7 @@ def autodiff(
     def loss(P, network, key):
         """Div P at points drawn anew, and tractions at the outline; other points are not asked."""
         at = jax.random.choice(key, cells, (count,), replace=False)
-        div, _ = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
+        div = divergence(problem, network, problem.X[at], problem.F[..., at], dF[..., at], transposed)
         relative = div * problem.length / problem.scale[:, None]
         if batch_mean:
             relative = jnp.mean(relative, axis=-1)
