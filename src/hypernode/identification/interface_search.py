@@ -107,6 +107,8 @@ class Search:
         kept = parting.merged(self._with_law(kept))
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         finer = self._finer(kept)
+        if kept.misses_deformation and finer is not kept:
+            finer = LawSearch(trials, self._steps, self._finds and finer.fit.field.count > 1).plainer(finer)
         if len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)

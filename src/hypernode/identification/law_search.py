@@ -69,12 +69,32 @@ class LawSearch:
             kept = self._settled(paid)
         return kept
 
+    def plainer(self, kept: Candidate) -> Candidate:
+        """The law without the terms that paid last, as long as it scores no worse without them.
+
+        On coarse elements a term may pay for what elements miss.
+        """
+        trials = self._trials
+        while kept.terms and kept.terms[-1] != "J":
+            problem, window = trials.with_terms(kept, kept.terms[:-1]), kept.fit.window
+            field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
+            move, u = f"without {kept.terms[-1]}", kept.u
+            found = trials.descend(move, kept, problem, field, u, self._steps, NEAR, window, self._finds)
+            gain = -np.inf if found is None else found.gain_over(kept)
+            if gain <= -EVIDENCE:
+                if found is not None:
+                    trials.passed_over(found, f"scores {-gain:+.1f} against the law with {kept.terms[-1]}")
+                break
+            trials.passed_over(kept, f"scores {gain:+.1f} against the law without {kept.terms[-1]}")
+            kept = found
+        return kept
+
     def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
         """(the score that a term promises by one step of the materials, the field from which that step goes).
 
         Fibres go from the direction that promises most: along the one where they begin, they cannot turn.
         """
-        problem = self._trials.with_term(kept, term)
+        problem = self._trials.with_terms(kept, (*kept.terms, term))
         left = kept.fit.left
         sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
         edges = kept.edges(problem, self._steps)
@@ -100,7 +120,7 @@ class LawSearch:
 
     def _with(self, kept: Candidate, term: str, field: Interfaces) -> Candidate | None:
         """The same lines between materials of a law with one term more, from a field that has it."""
-        problem, window = self._trials.with_term(kept, term), kept.fit.window
+        problem, window = self._trials.with_terms(kept, (*kept.terms, term)), kept.fit.window
         return self._trials.descend(
             f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
         )

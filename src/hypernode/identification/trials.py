@@ -58,12 +58,11 @@ class Trials:
             )
         return self._problems[key]
 
-    def with_term(self, candidate: Candidate, term: str) -> FieldProblem:
-        """The problem of a candidate whose law has one term more; what is homogeneous stays as it was fitted."""
-        key = (*candidate.terms, term), candidate.subcells, "law"
+    def with_terms(self, candidate: Candidate, terms: tuple[str, ...]) -> FieldProblem:
+        """The problem of a candidate with another law; what is homogeneous stays as it was fitted."""
+        key = terms, candidate.subcells, "law"
         if key not in self._problems:
-            old = candidate.problem.basis
-            law = dataclasses.replace(old, terms=(*candidate.terms, term))
+            law = dataclasses.replace(candidate.problem.basis, terms=terms)
             self._problems[key] = with_law(candidate.problem, law)
         return self._problems[key]
 
