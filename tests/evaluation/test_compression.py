@@ -35,6 +35,15 @@ def test_where_a_side_contracts_by_more_than_a_free_one_the_sheet_is_compressed(
     assert said.level is Level.PASSED and said.sentence.startswith("25 % of the sheet is compressed")
 
 
+def test_a_step_at_rest_is_no_compression_for_its_noise():
+    random = np.random.default_rng(0)
+    rest = np.eye(2) + 1e-4 * random.normal(size=(40, 2, 2))
+    F = np.array([rest, np.tile(FREE, (40, 1, 1))])
+    params = jnp.zeros((1, 40))
+    P = [np.moveaxis(np.asarray(BASIS.stress(jnp.asarray(np.moveaxis(f, 0, -1)), params)), -1, 0) for f in F]
+    assert score_compression(F, np.array(P)).summary["compressed_share"] == 0.0
+
+
 def test_turning_a_sheet_changes_no_compression():
     Q = np.array([[0.8, -0.6], [0.6, 0.8]])
     shear = np.array([[1.0, 0.2], [0.0, 1.0]])

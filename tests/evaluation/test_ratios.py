@@ -50,6 +50,27 @@ def test_the_lower_bound_is_that_of_the_compliance_however_stiff_the_part_is_tak
         assert bound == pytest.approx(1.0 / (1.0 / taken + 0.02))
 
 
+def test_a_soft_part_has_two_bounds_and_leaves_the_sheet_in_the_spread():
+    given = samples(0.02, 0.6)
+    phase = 1 - PHASE
+    (each,) = ratios(phase, given.best, given.values)
+    assert each.phase == 0 and each.best == pytest.approx(0.02) and each.least == 0.0
+    assert each.most == pytest.approx(0.02 * 2.2, rel=0.1)
+    assert not beside_unbounded(MESH, phase, [each]).any()
+
+
+def test_a_sheet_whose_cells_all_touch_a_rigid_part_has_a_spread_of_its_own():
+    given = samples(200.0, 1.5)
+    assert np.isfinite(score_spread(given, None, bounded=np.zeros(len(PHASE), bool)).summary["spread"])
+
+
+def test_an_uncertain_level_is_no_part_of_the_mean_spread():
+    given = samples(2.0, 0.05)
+    alone, both = score_spread(given, None), score_spread(given, None, level=0.3 * given.best)
+    assert alone.summary["spread"] == both.summary["spread"]
+    assert (both.variables["trace_P_spread"] >= 0.3 * given.best).all()
+
+
 def test_one_phase_has_no_contrast():
     assert ratios(np.zeros_like(PHASE), np.ones(len(PHASE)), np.ones((3, len(PHASE)))) == []
     assert judge_ratios([]).level is Level.NOT_JUDGED

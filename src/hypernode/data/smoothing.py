@@ -2,7 +2,8 @@
 
 A curve is the likelier the less it is bent, and a kink is bent without bound. One weight of roughness for a whole edge
 then follows a kink too little and the noise elsewhere too much. So a kink that the values show is taken out of the
-roughness. Between two points it lies anywhere: two hinges, one at each, make every kink between them.
+roughness. Between two points it lies anywhere: two hinges, one at each, make every kink between them. Kinks are told
+one at a time: two of about the same size stay roughness.
 """
 
 import functools
@@ -21,7 +22,7 @@ SMALLEST_ERROR = 0.1
 NEVER = 3.0
 #: Fall of minus twice the likelihood within which another place of a kink is as good: two standard deviations squared.
 PLACED = 4.0
-#: Kinks beyond which no more are looked for: three inclusions have six.
+#: Places of kinks beyond which no more are looked for.
 MOST = 6
 
 
@@ -74,7 +75,7 @@ def smoothed(x: Float[np.ndarray, " point"], values: Float[np.ndarray, " point"]
     return _smoothed(tuple(x), tuple(values), float(noise))
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=1024)
 def _smoothed(x: tuple[float, ...], values: tuple[float, ...], noise: float):
     """The same: an identification asks for every edge again with every mesh and law."""
     bending, modes, hinges, in_modes = _modes(x)
@@ -92,13 +93,20 @@ def _smoothed(x: tuple[float, ...], values: tuple[float, ...], noise: float):
     if not kinks:
         share = 1.0 / (1.0 + weight * bending)
         kept = share > SMALLEST_ERROR**2
-        return modes @ (share * (modes.T @ values)), noise * modes[:, kept] * np.sqrt(share[kept])
+        return _kept(modes @ (share * (modes.T @ values)), noise * modes[:, kept] * np.sqrt(share[kept]))
     columns = np.column_stack([modes, hinges[:, _hinges(kinks)]])
     costs = np.concatenate([weight * bending, np.zeros(columns.shape[1] - len(x))])
     covariance = columns @ np.linalg.solve(columns.T @ columns + np.diag(costs), columns.T)
     share, shapes = np.linalg.eigh(covariance)
     kept = share > SMALLEST_ERROR**2
-    return covariance @ values, noise * shapes[:, kept] * np.sqrt(share[kept])
+    return _kept(covariance @ values, noise * shapes[:, kept] * np.sqrt(share[kept]))
+
+
+def _kept(*arrays):
+    """The arrays, which nobody may change: they are asked for again."""
+    for each in arrays:
+        each.flags.writeable = False
+    return arrays
 
 
 def _places(gains: Float[np.ndarray, " place"]) -> list[int]:

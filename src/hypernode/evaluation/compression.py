@@ -17,8 +17,8 @@ COUNTS = SETTINGS.equilibrium.warn
 def score_compression(F: Float[np.ndarray, "step cell 2 2"], P: Float[np.ndarray, "step cell 2 2"]) -> Judgement:
     """Share of the sheet that is compressed in the step where it is most, and by how much of the tension.
 
-    Compression is a negative principal value of P F^T, the Cauchy stress up to a positive factor. It is over the root
-    mean square of the larger principal value in that step.
+    Compression is a negative principal value of P F^T, the Cauchy stress up to a positive factor. It is over the
+    largest root mean square of the larger principal value of any step: of a sheet at rest, noise is no compression.
 
     Args:
         F, P: identified; NaN where there is no stress.
@@ -29,9 +29,10 @@ def score_compression(F: Float[np.ndarray, "step cell 2 2"], P: Float[np.ndarray
     told = np.isfinite(mean) & np.isfinite(radius)
     larger, smaller = (np.where(told, mean + sign * radius, 0.0) for sign in (1.0, -1.0))
     tension = np.sqrt((larger**2).sum(axis=1, keepdims=True) / np.maximum(told.sum(axis=1, keepdims=True), 1))
-    relative = np.divide(-smaller, tension, out=np.zeros_like(smaller), where=tension > 0.0)
+    relative = -smaller / max(float(tension.max()), np.finfo(float).tiny)
     share = (relative > COUNTS).mean(axis=1)
-    return Judgement(summary={"compressed_share": float(share.max()), "compression": float(relative.max())})
+    most = int(np.argmax(share))
+    return Judgement(summary={"compressed_share": float(share[most]), "compression": float(relative[most].max())})
 
 
 def judge_compression(summary: Mapping[str, object]) -> Criterion:

@@ -25,7 +25,7 @@ from hypernode.evaluation.noise import score_noise
 from hypernode.evaluation.phases import score_phases
 from hypernode.evaluation.polish import identified_gradient, score_polish
 from hypernode.evaluation.probes import indicator, stress_at_common_F
-from hypernode.evaluation.ratios import beside_unbounded, ratios
+from hypernode.evaluation.ratios import Ratio, beside_unbounded, ratios
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.scores import relative_error
 from hypernode.evaluation.shape import PrintedShape, curve_places, score_printed, score_shape
@@ -107,18 +107,18 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
         cut = 0.0 if is_on_its_own_grid(measurement) else spread_of_cut_cells(mesh, found_phase, field, constrained)
         beside = level_beside_samples(budget) * np.abs(field)
         true_field = None if true is None else indicator(true, mesh.centres, kind, stretch)
-        judged |= _of_samples(mesh, samples, found_phase, true_field, np.hypot(cut, beside))
+        contrasts = _contrasts(constrained, found_phase, samples)
+        judged |= Judgement(summary={"stiffness_ratios": [each.stored() for each in contrasts]})
+        judged |= score_spread(samples, true_field, cut, beside, ~beside_unbounded(mesh, found_phase, contrasts))
     judged |= score_shape(mesh, field, shape, true_shape)
     places = curve_places(mesh, shape, None if true is None else true_shape)
     return judged | score_curves(found, true, places, largest, kind)
 
 
-def _of_samples(mesh, samples: Samples, phase, true, further) -> Judgement:
-    """How many times as stiff each phase is, and the spread of the stiffness where it has an upper bound."""
-    contrasts = ratios(phase, samples.best, samples.values)
-    bounded = ~beside_unbounded(mesh, phase, contrasts)
-    judged = Judgement(summary={"stiffness_ratios": [each.stored() for each in contrasts]})
-    return judged | score_spread(samples, true, further, bounded)
+def _contrasts(constrained: xr.Dataset, phase, samples: Samples) -> list[Ratio]:
+    """How many times as stiff each phase of a field of few materials is."""
+    few = int(constrained.attrs.get("materials", 0)) > 1
+    return ratios(phase, samples.best, samples.values) if few else []
 
 
 def _at_both_deformations(files, found) -> Judgement:

@@ -1,9 +1,9 @@
-"""How many times as stiff as the softest phase every other one is, and between which bounds.
+"""How many times as stiff as most of the sheet every other phase is, and between which bounds.
 
 What a stiff part takes away from the deformation of a sheet is linear in its compliance. A test therefore determines
 the ratio of compliances, s = 1 / r, and its standard deviation: it is s times that of log r, which posterior samples
 have. Of a part that hardly deforms s may be zero within two of these. The sheet is then as a rigid part would have it,
-and only the lower bound of r is known.
+and only the lower bound of r is known. What a soft part takes is linear in its stiffness, which has two bounds.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ SPREADS = 2.0
 
 @dataclass(frozen=True)
 class Ratio:
-    """The stiffness of one phase over that of the softest.
+    """The stiffness of one phase over that of the phase with most cells.
 
     Attributes:
         phase: its number, from the softest, 0.
@@ -48,33 +48,38 @@ class Ratio:
 
 
 def ratio_of(phase: int, best: float, log_spread: float) -> Ratio:
-    """Bounds of a ratio of stiffnesses, from those of its inverse.
+    """Bounds of a ratio of stiffnesses: of a stiffer phase from those of its inverse.
 
     Args:
         log_spread: standard deviation of its logarithm, by a linearisation at ``best``.
     """
     change = SPREADS * log_spread
+    if best < 1.0:
+        return Ratio(phase, best, best * max(1.0 - change, 0.0), best * (1.0 + change))
     return Ratio(phase, best, best / (1.0 + change), best / (1.0 - change) if change < 1.0 else None)
 
 
 def ratios(
     phase: Int[np.ndarray, " cell"], best: Float[np.ndarray, " cell"], samples: Float[np.ndarray, "sample cell"]
 ) -> list[Ratio]:
-    """The ratio of every phase but the softest.
+    """The ratio of every phase but the one with most cells.
 
     Args:
         phase: number of the phase of every cell, from the softest, 0.
         best, samples: stiffness of every cell, of the identified field and of posterior samples.
     """
-    numbers = np.unique(phase)
+    numbers, size = np.unique(phase, return_counts=True)
+    largest = int(np.argmax(size))
     # A sample to first order may have a stiffness below zero, which has no logarithm.
     logs = [np.log(np.maximum(each, np.finfo(float).tiny)) for each in (best[None], samples)]
     typical, drawn = ([np.nanmedian(each[:, phase == k], axis=1) for k in numbers] for each in logs)
     found = []
-    for k, of_best, of_samples in zip(numbers[1:], typical[1:], drawn[1:], strict=True):
-        size = float((of_best - typical[0])[0])
-        away = of_samples - drawn[0] - size
-        found.append(ratio_of(int(k), float(np.exp(size)), float(np.sqrt(np.mean(away**2)))))
+    for place, (k, of_best, of_samples) in enumerate(zip(numbers, typical, drawn, strict=True)):
+        if place != largest:
+            away = of_samples - drawn[largest]
+            log_ratio = float((of_best - typical[largest])[0])
+            spread = float(np.sqrt(np.mean((away - log_ratio) ** 2)))
+            found.append(ratio_of(int(k), float(np.exp(log_ratio)), spread))
     return found
 
 
@@ -96,7 +101,7 @@ def judge_ratios(found: Sequence[Ratio]) -> Criterion:
     if not found:
         return not_judged(name, "There are no two phases whose posterior samples are known.")
     told = ", ".join(f"phase {each.phase + 1} {each.words}" for each in found)
-    sentence = f"Times as stiff as the softest phase, within two standard uncertainties: {told}."
+    sentence = f"Times as stiff as most of the sheet, within two standard uncertainties: {told}."
     if any(each.most is None for each in found):
         sentence += " What has no upper bound may be rigid: the test tells no more of it."
     return Criterion(name, Level.PASSED, sentence, found[-1].least)

@@ -110,6 +110,7 @@ def score_spread(
     samples: Samples,
     true: Float[np.ndarray, " cell"] | None,
     interfaces: Float[np.ndarray, " cell"] | float = 0.0,
+    level: Float[np.ndarray, " cell"] | float = 0.0,
     bounded: Bool[np.ndarray, " cell"] | None = None,
 ) -> Judgement:
     """Spread of the indicator of stiffness, and its coverage of the true one.
@@ -117,14 +118,16 @@ def score_spread(
     Args:
         samples: of the posterior.
         true: the true indicator, where it is known.
-        interfaces: further uncertainty from cut cells (:func:`interface_spread`) and from the unmeasured part of the
-            sheet.
+        interfaces: further uncertainty from cut cells (:func:`interface_spread`).
+        level: further uncertainty of all cells alike, in the unit of stress. It has a criterion of its own and is no
+            part of the mean spread.
         bounded: cells whose stiffness has an upper bound, over which the spread is a mean; None for all. Of the others
             a lower bound is all that a test tells (:mod:`~hypernode.evaluation.ratios`).
     """
-    spread = np.hypot(sample_spread(samples.values), interfaces)
-    counts = np.ones(len(spread), bool) if bounded is None else bounded
-    summary = {"spread": float(np.sqrt(np.mean(spread[counts] ** 2) / np.mean(samples.best[counts] ** 2)))}
+    own = np.hypot(sample_spread(samples.values), interfaces)
+    spread = np.hypot(own, level)
+    counts = np.ones(len(spread), bool) if bounded is None or not bounded.any() else bounded
+    summary = {"spread": float(np.sqrt(np.mean(own[counts] ** 2) / np.mean(samples.best[counts] ** 2)))}
     if true is not None:
         summary["within_two_spreads"] = coverage(samples.best - true, spread)
     return Judgement({"trace_P_spread": spread}, summary)

@@ -33,6 +33,6 @@ def fact(summary: Mapping, key: str) -> str:
     if key == "inclusion_over_matrix":
         # The other phases are softer: of a part that may be rigid a lower bound is the answer.
         ratios = [Ratio(**each) for each in summary.get("stiffness_ratios", ())]
-        if float(value) > 1.0 and ratios and ratios[-1].most is None:
-            return ratios[-1].words
+        if float(value) > 1.0 and len(ratios) == 1 and ratios[0].most is None:
+            return ratios[0].words
     return str(value) if factor is None else significant(factor * float(value))

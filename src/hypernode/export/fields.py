@@ -7,7 +7,6 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.data.measurement import plane_of
 from hypernode.evaluation.probes import equibiaxial_stress, preferred_direction
 from hypernode.evaluation.spread import sample_spread
 from hypernode.export.run import Run
@@ -68,7 +67,7 @@ def _engineering(xx, yy, xy, plane: str) -> dict[str, np.ndarray]:
 def cell_fields(run: Run) -> dict[str, Field]:
     """{name: field} by cell."""
     stretch, unit = float(run.files["evaluation"].attrs["shape_stretch"]), run.material.units["stress"]
-    plane = plane_of(run.files["measurement"])
+    plane = run.plane
     meanings = {
         "trace_P": f"P_xX + P_yY at an equibiaxial stretch of {stretch:.4g}",
         "modulus_xx": f"dP_xX/dF_xX at an equibiaxial stretch of {TAUT}, where fibres are taut",

@@ -10,7 +10,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.data.lost import sheet_displacement
-from hypernode.data.measurement import field_gradient, mesh_of
+from hypernode.data.measurement import field_gradient, mesh_of, plane_of
 from hypernode.evaluation.phases import phase_numbers
 from hypernode.fem.mesh import Mesh
 from hypernode.material.field import Material
@@ -35,6 +35,11 @@ class Run:
     def mesh(self) -> Mesh:
         """The measured grid."""
         return mesh_of(self.files["measurement"])
+
+    @property
+    def plane(self) -> str:
+        """``stress`` or ``strain``: the plane that the sheet was identified in."""
+        return plane_of(self.files["measurement"])
 
     @cached_property
     def material(self) -> Material:

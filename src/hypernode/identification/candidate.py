@@ -55,11 +55,16 @@ class Candidate:
         return round(np.sqrt(self.problem.refinement.subcells.shape[1]))
 
     def edges(self, problem: FieldProblem, steps: list[int]) -> Sequence[EdgeAnswers] | None:
-        """How these load steps answer to errors of prescribed edges, as certain as here; None where it is not known."""
+        """About how these steps answer to errors of edges that are as certain as here; None where it is not known.
+
+        The window and the law change what they answer by little.
+        """
         own, other = (each.observations.boundaries for each in (self.problem, problem))
         known = self.fit.steps == steps and self.problem.sigma == problem.sigma
         alike = known and all(
-            own[k].errors.shape[1] == other[k].errors.shape[1] and np.array_equal(own[k].observed, other[k].observed)
+            own[k].errors.shape[1] == other[k].errors.shape[1]
+            and np.array_equal(own[k].observed, other[k].observed)
+            and np.array_equal(own[k].relative, other[k].relative)
             for k in steps
         )
         return self.fit.edges if alike else None

@@ -113,16 +113,17 @@ class InterfaceFit:
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
                 self._model = self._latest = None
+                self._damping = 0
             sigma = test.sigma_of(states, sigma)
             history.append(test.left(states))
-            fresh = self._model is None
+            fresh = self._model is None and not self._damping
             moved, before, gained = self._step(field, states, sigma)
             small = gained < max(GAIN, RELATIVE_GAIN * before)
             if moved is not None:
                 field, states = moved
             if not fresh and (moved is None or small):
-                # Old derivatives say nothing of the end.
-                self._model = None
+                # Old derivatives and damped steps say nothing of the end.
+                self._model, self._damping = None, 0
             elif moved is None:
                 ending = Ending.CONVERGED if small else Ending.STAGNATED
                 break

@@ -106,9 +106,7 @@ class Search:
             return None
         kept = parting.merged(self._with_law(kept))
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
-        finer = self._finer(kept)
-        if kept.misses_deformation and finer is not kept:
-            finer = LawSearch(trials, self._steps, self._finds and finer.fit.field.count > 1).plainer(finer)
+        kept, finer = self._finer_and_plainer(kept)
         if len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
@@ -129,9 +127,19 @@ class Search:
             more = parting.parted(kept) if again else kept
             if more is kept:
                 break
-            kept = parting.merged(self._with_law(more))
-            finer = self._finer(kept)
+            kept, finer = self._finer_and_plainer(parting.merged(self._with_law(more)))
         return kept, finer
+
+    def _finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
+        """(a candidate, the same on finer elements), without terms that paid for what coarse elements miss."""
+        finer = self._finer(kept)
+        if not kept.misses_deformation or finer is kept:
+            return kept, finer
+        law = LawSearch(self._trials, self._steps, self._finds and finer.fit.field.count > 1)
+        plainer = law.plainer(finer)
+        if plainer is not finer:
+            kept = law.with_law_of(kept, plainer) or kept
+        return kept, plainer
 
     def _of_one(self, alone: Candidate) -> Candidate:
         """One material with the likeliest law and volume."""

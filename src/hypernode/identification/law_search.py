@@ -61,16 +61,19 @@ class LawSearch:
                 if found is None:
                     continue
                 gain = found.gain_over(best)
-                better, other, word = (found, best, "with") if gain > EVIDENCE else (best, found, "without")
-                trials.passed_over(other, f"scores {abs(gain):+.1f} against the law {word} {term}")
-                paid = better if better is not kept else None
+                if gain > EVIDENCE:
+                    trials.passed_over(best, f"scores {gain:+.1f} against the law with {term}")
+                    paid = found
+                else:
+                    against = f"with {best.terms[-1]}" if best is paid else f"without {term}"
+                    trials.passed_over(found, f"scores {-gain:+.1f} against the law {against}")
             if paid is None:
                 break
             kept = self._settled(paid)
         return kept
 
     def plainer(self, kept: Candidate) -> Candidate:
-        """The law without the terms that paid last, as long as it scores no worse without them.
+        """The law without the terms that paid last, as long as they gain less than evidence asks for.
 
         On coarse elements a term may pay for what elements miss.
         """
@@ -88,6 +91,13 @@ class LawSearch:
             trials.passed_over(kept, f"scores {gain:+.1f} against the law without {kept.terms[-1]}")
             kept = found
         return kept
+
+    def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
+        """A candidate with the law of another one, on its own elements; None without equilibrium."""
+        problem, window = self._trials.with_terms(kept, other.terms), kept.fit.window
+        field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
+        move = "the plainer law on coarse elements"
+        return self._trials.descend(move, kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False)
 
     def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
         """(the score that a term promises by one step of the materials, the field from which that step goes).
