@@ -84,8 +84,7 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
             "trace_P": field,
         }
     )
-    judged |= phases
-    judged |= _at_both_deformations(files, found)
+    judged |= phases | _at_both_deformations(files, found)
     modes, true_shape = _at_common_F(files, found, true, kind, mode_gradients(stretches))
     judged |= modes
     if true is not None:
