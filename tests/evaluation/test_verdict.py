@@ -325,3 +325,13 @@ def test_the_region_of_deformations_is_that_of_the_principal_stretches():
 def test_forces_that_are_wrong_by_orders_of_magnitude_are_not_told_to_the_digit(measurement):
     found = criterion(judged(measurement, edge_force_error_identified=2.4e9), "forces")
     assert found.sentence == "Edge forces are missed by 1000 % and more, more than 10 %."
+
+
+def test_few_materials_that_explain_a_sheet_follow_the_forces_where_no_single_one_does(measurement):
+    """The mean force of unlike materials has a course of its own."""
+    heterogeneous = constrained(law=(0.03,))
+    assert level(judged(measurement, heterogeneous), "law") is Level.WARNED
+    of_few = heterogeneous.assign_attrs(materials=2)
+    assert level(judged(measurement, of_few), "law") is Level.PASSED
+    assert level(judged(measurement, of_few, edge_force_error_identified=0.025), "law") is Level.WARNED
+    assert level(judged(measurement, of_few, displacement_misfit=1.4, unexplained_share=1.5), "law") is Level.WARNED

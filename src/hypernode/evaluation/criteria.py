@@ -56,7 +56,7 @@ def judge_run(
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             judge_left_out(constrained, settings),
-            _law(constrained, settings),
+            _law(summary, constrained, explained, settings),
             _networks(summary, settings),
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
@@ -115,13 +115,21 @@ def _forces(summary, measurement, threshold: Threshold) -> Criterion:
     return limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
 
 
-def _law(constrained, settings: Settings) -> Criterion:
+def _law(summary, constrained, explained: Criterion, settings: Settings) -> Criterion:
+    """Whether a law follows the forces.
+
+    One material for the whole sheet tells this of any field. A sheet of unlike materials follows no such course, so few
+    materials that explain the displacements tell it better.
+    """
     name = "law"
     if constrained is None:
         return not_judged(name, "The method fits no basis of terms to the forces.")
     misfits = json.loads(constrained.attrs["homogeneous_force_misfit"])
     # The maximum of Python's own loses what is not a number.
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
+    own, few = summary["edge_force_error_identified"], int(constrained.attrs.get("materials", 0)) > 0
+    if few and explained.level is Level.PASSED and own < worst:
+        return limited(name, "The materials that explain the displacements miss the forces by", own, settings.law)
     return limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
 
 
