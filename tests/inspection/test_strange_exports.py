@@ -44,6 +44,7 @@ RECORDS = {
     ),
     "Zwick's ending": ("probe.TRA", "Prüfzeit;Standardweg;Standardkraft\ns;mm;N", COLUMNS, ";"),
     "units behind blanks": ("log.txt", "Time (s) Displacement (mm) Force (N)", COLUMNS, " "),
+    "a line of units in brackets": ("log.txt", "Time Displacement Force\n(s) (mm) (N)", COLUMNS, " "),
 }
 
 
@@ -115,6 +116,20 @@ def test_inches_and_headers_between_blanks_are_read(tmp_path):
     for k, u in enumerate(fields()):
         columns = [each / 25.4 for each in (x, y, *u.reshape(-1, 2).T)]
         table(tmp_path / f"stage-{k}.txt", "# x [in] y [in] dx [in] dy [in]", columns, " ")
+    write_record(tmp_path)
+    found = inspect(tmp_path, GIVEN)
+    assert found.sheet is not None, said_of(found)
+    np.testing.assert_allclose(found.sheet.cases[0].stretch, 1.0 + STEP * found.sheet.cases[0].numbers, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("names", "units"), [("x y u v", "[mm] [mm] [mm] [mm]"), ("Nr x y u v", "- (mm) (mm) (mm) (mm)")]
+)
+def test_a_line_of_units_in_brackets_has_one_for_each_column_between_blanks(tmp_path, names, units):
+    y, x = (each.ravel() for each in np.meshgrid(LINES, LINES, indexing="ij"))
+    for k, u in enumerate(fields()):
+        columns = [np.arange(len(x)), x, y, *u.reshape(-1, 2).T]
+        table(tmp_path / f"stage-{k}.txt", f"{names}\n{units}", columns[-len(names.split()) :], " ")
     write_record(tmp_path)
     found = inspect(tmp_path, GIVEN)
     assert found.sheet is not None, said_of(found)

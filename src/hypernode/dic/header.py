@@ -45,10 +45,14 @@ def cells_of(line: str, delimiter: str) -> list[str]:
 
 
 def with_units(cells: list[str]) -> list[str]:
-    """Cells that stood between blanks, of which a unit in brackets belongs to the name before it."""
+    """Cells that stood between blanks, of which a unit in brackets belongs to the name before it.
+
+    In a line of units alone, each is a cell of its own.
+    """
     merged: list[str] = []
     for cell in cells:
-        if merged and cell[:1] in ("[", "(") and cell[-1:] in ("]", ")"):
+        named = bool(merged) and merged[-1][:1] not in ("[", "(") and any(map(str.isalnum, merged[-1]))
+        if named and cell[:1] in ("[", "(") and cell[-1:] in ("]", ")"):
             merged[-1] += f" {cell}"
         else:
             merged.append(cell)
