@@ -79,6 +79,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "noise_rules_displacements": problem.noisy,
             "noise_deformation": problem.observations.noise_deformation,
             "materials": found.material_count,
+            "gradual": found.gradual,
             "layered": found.layered,
             **({"line_error": found.line_error} if found.layered else {}),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
