@@ -25,8 +25,9 @@ _BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFErr
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by their names; of MATLAB and HDF5 those of structures and groups as well.
 
-    Where several structures hold an array of one name, each is ``structure/field``. One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and
-    y are the lines of a grid, it holds their points (row, column, 2).
+    Where several structures hold an array of one name, each is ``structure/field``. One array of each component, as
+    ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and y are the lines of a grid, it
+    holds their points (row, column, 2).
 
     Raises:
         DicError: it cannot be read.
