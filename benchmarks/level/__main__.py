@@ -1,7 +1,7 @@
 """The level of the stress of known sheets, its stated uncertainty, and where their law is refuted.
 
 Sheets are computed by other finite elements than the project's (``benchmarks/strangers``), brought as files, and
-identified by method ``field``. A sheet that has a score is not run again.
+identified by method ``field``. A sheet that has a score with the same further keys is not run again.
 
 Usage: python -m benchmarks.level STUDY [NAME ...] [--cores 2] [--to .cache/level] [--set KEY=VALUE]
 STUDY is ``seen``, ``records`` or ``laws`` (benchmarks/level/designs.py); NAME is a part of the names of its sheets.
@@ -24,8 +24,10 @@ NARROW = 0.05
 
 
 def row_of(study: str, name: str, folder: Path, changed: dict) -> dict:
-    """The score of a sheet, or its error; runs it where it has none."""
+    """The score of a sheet, or its error; runs it where it has none with these keys changed."""
     file = folder / "score.json"
+    if file.is_file() and json.loads(file.read_text()).get("changed", {}) != changed:
+        file.unlink()
     if not file.is_file():
         folder.mkdir(parents=True, exist_ok=True)
         # One core each: sheets side by side share the machine.

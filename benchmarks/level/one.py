@@ -43,10 +43,12 @@ def main(study: str, name: str, folder: Path, changed: dict) -> None:
     config["cases"] = {"sheet": {"specimen": "sheet", "methods": [METHOD]}}
     (brought / "study.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
     run = Path("results") / "sheet" / METHOD
+    # What was identified with other keys is no answer to these.
+    (brought / run / "evaluation.nc").unlink(missing_ok=True)
     _, took = identified(brought, "study.yaml", str(run / "evaluation.nc"))
     if not (brought / run / "evaluation.nc").is_file():
         raise Failed(reason(brought / "workflow.log"))
-    row = {"name": name, "code": version(), **scored(brought / run, truth), **took}
+    row = {"name": name, "code": version(), "changed": changed, **scored(brought / run, truth), **took}
     (folder / "score.json").write_text(json.dumps(row, indent=1) + "\n")
 
 

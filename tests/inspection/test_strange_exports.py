@@ -1,12 +1,16 @@
-"""Exports unlike earlier ones: units after a sign, thousands, one table of all frames, a zero that drifts."""
+"""Exports unlike earlier ones: units after a sign, thousands, one table of all frames."""
+
+import argparse
+import re
 
 import numpy as np
 import pytest
 
+from hypernode.commands.options import add_folder_options, given_settings
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.drift import drift_of
 from hypernode.dic.table import number_in
 from hypernode.inspection.folder import inspect
+from hypernode.inspection.report import report
 from tests.dic.pulls import LINES, STEP, fields, write, write_record
 from tests.inspection.test_other_laboratories import COLUMNS, GIVEN, is_right, table
 from tests.inspection.test_situations import TIME, force_at, said_of
@@ -44,6 +48,7 @@ RECORDS = {
     ),
     "Zwick's ending": ("probe.TRA", "Prüfzeit;Standardweg;Standardkraft\ns;mm;N", COLUMNS, ";"),
     "units behind blanks": ("log.txt", "Time (s) Displacement (mm) Force (N)", COLUMNS, " "),
+    "a line of units in brackets": ("log.txt", "Time Displacement Force\n(s) (mm) (N)", COLUMNS, " "),
 }
 
 
@@ -96,10 +101,12 @@ def test_the_option_for_a_table_without_names_reads_it(tmp_path, sign, decimal):
         table(path, "", [x, y, *u.reshape(-1, 2).T], sign, decimal)
         path.write_text(path.read_text().lstrip("\n"))
     write_record(tmp_path)
-    told = f"delimiter: {sign!r}, " if sign != "," else ""
-    assert f"table={{x: 1, y: 2, u: 3, v: 4, {told}unit: mm}}" in said_of(inspect(tmp_path, GIVEN))
-    columns = {**dict(zip("xyuv", "1234", strict=True)), "delimiter": sign, "unit": "mm"}
-    found = inspect(tmp_path, {**GIVEN, "format": "table", "table": columns})
+    shown = re.search(r'--set "(table={x: 1, y: 2, u: 3, v: 4, .*?})"', said_of(inspect(tmp_path, GIVEN)))[1]
+    parser = argparse.ArgumentParser()
+    add_folder_options(parser)
+    told = given_settings(parser.parse_args([str(tmp_path), "--set", "format=table", "--set", shown]))
+    assert told["table"]["delimiter"] == ("tab" if sign == "\t" else sign)
+    found = inspect(tmp_path, {**GIVEN, **told})
     assert found.sheet is not None, said_of(found)
 
 
@@ -121,10 +128,41 @@ def test_inches_and_headers_between_blanks_are_read(tmp_path):
     np.testing.assert_allclose(found.sheet.cases[0].stretch, 1.0 + STEP * found.sheet.cases[0].numbers, atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("names", "units"), [("x y u v", "[mm] [mm] [mm] [mm]"), ("Nr x y u v", "- (mm) (mm) (mm) (mm)")]
+)
+def test_a_line_of_units_in_brackets_has_one_for_each_column_between_blanks(tmp_path, names, units):
+    y, x = (each.ravel() for each in np.meshgrid(LINES, LINES, indexing="ij"))
+    for k, u in enumerate(fields()):
+        columns = [np.arange(len(x)), x, y, *u.reshape(-1, 2).T]
+        table(tmp_path / f"stage-{k}.txt", f"{names}\n{units}", columns[-len(names.split()) :], " ")
+    write_record(tmp_path)
+    found = inspect(tmp_path, GIVEN)
+    assert found.sheet is not None, said_of(found)
+    np.testing.assert_allclose(found.sheet.cases[0].stretch, 1.0 + STEP * found.sheet.cases[0].numbers, atol=1e-3)
+
+
 def test_endings_in_other_letters_are_of_one_series(tmp_path):
     write(tmp_path, fields(), [f"frame{k:04d}.{'csv' if k % 2 else 'CSV'}" for k in range(9)])
     write_record(tmp_path)
     assert len(inspect(tmp_path, GIVEN).field.numbers) == 9
+
+
+@pytest.mark.parametrize("decimal", [None, "."])
+def test_commas_of_other_columns_say_nothing_of_the_decimal_sign(tmp_path, decimal):
+    y, x = (each.ravel() for each in np.meshgrid(LINES, LINES, indexing="ij"))
+    for k, u in enumerate(fields()):
+        columns = [len(x) * ["10:11:12,345"], x, y, *u.reshape(-1, 2).T, [f"{j},{k}" for j in range(len(x))]]
+        table(tmp_path / f"frame{k:04d}.csv", "Clock;X1;Y1;U1;V1;Id", columns, ";")
+    write_record(tmp_path)
+    columns = {"x": "X1", "y": "Y1", "u": "U1", "v": "V1", "delimiter": ";", "decimal": decimal, "unit": "mm"}
+    found = inspect(tmp_path, {**GIVEN, "format": "table", "table": columns})
+    assert found.sheet is not None, said_of(found)
+
+
+def test_a_sign_that_is_not_that_of_the_other_numbers_is_refused_with_the_key():
+    with pytest.raises(DicError, match=r"table: \{decimal"):
+        number_in("0,5", ".", blanks=True, where="frame.csv:3", line="1.0;0,5;0;0")
 
 
 def test_structures_of_matlab_are_searched(tmp_path):
@@ -134,35 +172,12 @@ def test_structures_of_matlab_are_searched(tmp_path):
     data = {"x": x, "y": y, "u": u[:, :, 0], "v": u[:, :, 1]}
     scipy_io.savemat(tmp_path / "t.mat", {"data": data, "force": force_at(STEP * np.arange(9.0))})
     is_right(inspect(tmp_path, {**GIVEN, "arrays": {"unit": "mm"}}))
-
-
-def there_and_back(drift, way=True):
-    """A record of a pull and its way back, whose zero drifts by a share of the largest force."""
-    time = np.round(np.arange(0.0, 18.05, 0.1), 9)
-    e = STEP * np.where(time <= 8.0, time, np.maximum(8.0 - 4.0 * (time - 8.0), 0.0))
-    force = force_at(e)
-    return time, 12.0 * e if way else None, force + drift * force.max() * np.minimum(time, 8.0) / 8.0
-
-
-@pytest.mark.parametrize("way", [True, False])
-def test_a_zero_that_drifts_is_said_with_its_size_and_no_other(tmp_path, way):
-    time, moved, force = there_and_back(0.1, way)
-    write(tmp_path, fields())
-    header = "Time (s),Displacement (mm),Force (N)" if way else "Time (s),Force (N)"
-    table(tmp_path / "force_disp.csv", header, [time, moved, force] if way else [time, force])
-    said = said_of(inspect(tmp_path, GIVEN))
-    assert "its zero seems to drift" in said and "force_offset_uncertainty=0.09" in said
-    explained = inspect(tmp_path, {**GIVEN, "force_offset_uncertainty": 0.1})
-    assert "drift" not in said_of(explained)
-    _, moved, force = there_and_back(0.0, way)
-    share, where = drift_of(force, moved)
-    assert not where and share == pytest.approx(0.0, abs=1e-3)
-
-
-def test_a_held_force_is_no_drift():
-    time = np.arange(0.0, 20.0, 0.1)
-    force = np.minimum(time, 10.0) * (1.0 - 0.02 * np.maximum(time - 10.0, 0.0) / 10.0)
-    assert not drift_of(force, None)[1]
+    other = {name: 0.5 * each for name, each in data.items()}
+    scipy_io.savemat(tmp_path / "t.mat", {"left": data, "right": other, "force": force_at(STEP * np.arange(9.0))})
+    said = said_of(inspect(tmp_path, {**GIVEN, "arrays": {"unit": "mm"}}))
+    assert "'left/u left/v'" in said and "'right/u right/v'" in said and "say which are what" in said
+    of_left = {"positions": "left/x left/y", "displacements": "left/u left/v", "unit": "mm"}
+    is_right(inspect(tmp_path, {**GIVEN, "arrays": of_left}))
 
 
 def test_a_zero_that_was_set_anew_is_named_with_what_is_refused(tmp_path):
@@ -188,3 +203,4 @@ def test_a_frame_that_is_misnamed_far_away_is_listed_in_no_time(tmp_path):
     write_record(tmp_path)
     found = inspect(tmp_path, GIVEN)
     assert found.field.absent[:2] == [8, 9] and len(found.field.absent) == 1000
+    assert "14, 15 and 999999999983 more" in " ".join(report(found))

@@ -19,7 +19,7 @@ MESH, BASIS = square_mesh(10), ConvexBasis(("J",), 1.0)
 CELLS, SAMPLES = len(MESH.cells), 8
 
 
-def field(level, area, scatter=0.01):
+def field(level, area, scatter=0.01, gradual=True):
     """A field of cells without materials, whose level and area term are given, with samples of another level."""
     params = np.stack([np.broadcast_to(level, CELLS), np.broadcast_to(area, CELLS), np.full(CELLS, 0.4)])
     content, kind = basis_content(BASIS, params[:, None])
@@ -28,7 +28,9 @@ def field(level, area, scatter=0.01):
         moved = values + (shift[:, None] if name == "log_level" else np.zeros((SAMPLES, 1)))
         content[f"posterior.{name}"] = (("posterior_sample", "subcell", "cell"), moved[:, None])
     load = {"stretch": ("load_step", [1.1])}
-    return xr.Dataset(grid(MESH) | content | load, attrs=kind | {"units": json.dumps(SYNTHETIC_UNITS)})
+    return xr.Dataset(
+        grid(MESH) | content | load, attrs=kind | {"units": json.dumps(SYNTHETIC_UNITS), "gradual": gradual}
+    )
 
 
 def test_a_sheet_whose_stiffness_alone_changes_gradually_has_one_law_that_scatters_as_its_places_do():
@@ -38,6 +40,22 @@ def test_a_sheet_whose_stiffness_alone_changes_gradually_has_one_law_that_scatte
     scatter = np.sqrt(np.mean((law.samples[:, 0] - law.best[0]) ** 2))
     assert scatter == pytest.approx(np.hypot(level.std(), 0.01), rel=0.2)
     np.testing.assert_allclose(law.samples[:, 1:], np.tile([0.7, 0.4], (SAMPLES, 1)))
+
+
+def test_places_are_in_no_order_and_unlike_those_of_another_sheet():
+    level = -1.4 + 0.1 * np.sin(2.0 * np.pi * MESH.centres[:, 0])
+    one, other = (phase_laws(field(level, 0.7, scatter=0.0), name)[0].samples[:, 0] for name in ("one", "other"))
+    again = phase_laws(field(level, 0.7, scatter=0.0), "one")[0].samples[:, 0]
+    np.testing.assert_array_equal(one, again)
+    np.testing.assert_allclose(np.sort(one), np.sort(other))
+    assert (np.diff(one) < 0.0).any() and (one != other).any()
+    assert abs(np.corrcoef(one, other)[0, 1]) < 0.9
+
+
+@pytest.mark.parametrize("level", [-1.4, np.where(MESH.centres[:, 0] < 0.4, -1.4, -0.4)])
+def test_a_sheet_that_is_not_said_to_change_gradually_has_no_law_whatever_its_cells_share(level):
+    with pytest.raises(PredictionError, match="every cell has a material of its own"):
+        phase_laws(field(level, 0.7, gradual=False), "sheet")
 
 
 def test_a_field_whose_cells_have_laws_of_their_own_has_none_of_a_phase():

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Union
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from hypernode.config.section import Count, Fraction, NonZero, Positive, Section
 
@@ -55,6 +55,8 @@ LOAD_STEPS = 5
 
 #: Name of a column, or its number.
 Column = Annotated[str, BeforeValidator(lambda said: str(said) if type(said) is int else said)]
+#: What stands between cells; a tab by its name.
+Delimiter = Annotated[str, Field(pattern="^(.|tab)$"), AfterValidator(lambda said: "\t" if said == "tab" else said)]
 
 
 class Table(Section):
@@ -70,8 +72,8 @@ class Table(Section):
     """The same along y."""
     unit: Literal["pixel", "mm"] | None = None
     """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
-    delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
-    """What stands between cells; a blank stands for any run of blanks."""
+    delimiter: Delimiter = ","
+    """What stands between cells, one letter or `tab`; a blank stands for any run of blanks."""
     decimal: Literal[".", ","] | None = None
     """Decimal sign; the file shows it where it is left out."""
     deformed: bool = False

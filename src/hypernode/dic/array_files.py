@@ -1,7 +1,9 @@
 """Files of arrays, npz, HDF5 or MATLAB, as numeric arrays by their names."""
 
 import zipfile
+from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -23,18 +25,23 @@ _BROKEN = (OSError, ValueError, KeyError, TypeError, NotImplementedError, EOFErr
 def arrays_in(path: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by their names; of MATLAB and HDF5 those of structures and groups as well.
 
-    One array of each component, as ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and
-    y are the lines of a grid, it holds their points (row, column, 2).
+    Where several structures hold an array of one name, each is ``structure/field``. One array of each component, as
+    ``x`` and ``y``, or ``u`` and ``v``, becomes one of both, named by both. Where x and y are the lines of a grid, it
+    holds their points (row, column, 2).
 
     Raises:
         DicError: it cannot be read.
     """
     arrays = _arrays_in(path)
-    for pair in (pair for pairs in COMPONENTS.values() for pair in pairs):
+    places = sorted({path[: path.rfind("/") + 1] for path in arrays})
+    pairs = [(role, letters) for role, several in COMPONENTS.items() for letters in several]
+    for at, (role, letters) in product(places, pairs):
+        pair = tuple(at + letter for letter in letters)
         first, second = (arrays.get(name) for name in pair)
         if first is None or second is None:
             continue
-        if pair in COMPONENTS["positions"] and _are_lines(first, second, arrays.values()):
+        beside = [each for name, each in arrays.items() if name.startswith(at)]
+        if role == "positions" and _are_lines(first, second, beside):
             first, second = np.meshgrid(np.ravel(first), np.ravel(second))
         if first.shape == second.shape:
             arrays[" ".join(pair)] = np.stack([first, second], axis=-1)
@@ -63,23 +70,29 @@ def _arrays_in(path: Path) -> dict[str, np.ndarray]:
             return _of_hdf5(path)
         import scipy.io
 
-        return _of_structures(scipy.io.loadmat(path))
+        return _by_names(_of_structures(scipy.io.loadmat(path)))
     except _BROKEN as error:
         raise DicError(f"{path}: cannot be read as arrays: {error}") from None
 
 
-def _of_structures(values: Mapping[str, object], depth: int = 3) -> dict[str, np.ndarray]:
-    """Numeric arrays of a MATLAB file, and those in its structures by the names of their fields."""
-    found, inner = {}, {}
+def _of_structures(values: Mapping[str, object], at: str = "", depth: int = 3) -> dict[str, np.ndarray]:
+    """Numeric arrays of a MATLAB file, and those in its structures, as ``structure/field``."""
+    found = {}
     for name, value in values.items():
         if not isinstance(value, np.ndarray):
             continue
         if value.dtype.kind in "fiu":
-            found[name] = value
+            found[at + name] = value
         elif value.dtype.names and value.size == 1 and depth:
             fields = {each: value[each].item() for each in value.dtype.names}
-            inner |= _of_structures(fields, depth - 1)
-    return inner | found
+            found |= _of_structures(fields, f"{at}{name}/", depth - 1)
+    return found
+
+
+def _by_names(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Arrays by their own names; where several structures hold one of a name, each keeps that of its structure."""
+    owners = Counter(path.rpartition("/")[2] for path in found)
+    return {path if owners[name := path.rpartition("/")[2]] > 1 else name: each for path, each in found.items()}
 
 
 def _of_hdf5(path: Path) -> dict[str, np.ndarray]:

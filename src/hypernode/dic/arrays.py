@@ -54,9 +54,11 @@ def said_of(path: Path) -> str:
         arrays = arrays_in(path)
     except DicError as error:
         return f"; {error}"
+    # Both components of a structure are what a key may name.
+    listed = shown(sorted(arrays, key=lambda name: (" " not in name, name)))
     moving = named(arrays, "positions", {}) if named(arrays, "displacements", {}) is None else None
     return (
-        f"; {path.name} holds the arrays {shown(sorted(arrays))}: say which are what, --set 'arrays={{positions: NAME, "
+        f"; {path.name} holds the arrays {listed}: say which are what, --set 'arrays={{positions: NAME, "
         "displacements: NAME, force: NAME, unit: mm}'"
         + (f"; if {moving!r} are those of every frame, store the first, and displacements from it" if moving else "")
     )

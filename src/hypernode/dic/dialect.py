@@ -24,7 +24,7 @@ class Dialect:
         unit: of positions and displacements where the header names none.
         displacement_factor: what displacements are multiplied by, beside what their unit says.
         displacement_axes: along which u and v of the files point.
-        layouts: delimiters and decimal signs in which it comes; a file with a comma in it has decimal commas.
+        layouts: delimiters and decimal signs in which it comes; where both signs are possible, the numbers show theirs.
         y_up: whether y points upward.
         v_up: whether v does, where it differs from y.
         deformed: whether positions are those in the deformed sheet.
@@ -82,6 +82,8 @@ class Dialect:
         """Words of the command line that declare a table of these columns, with what is said besides."""
         columns = {role: getattr(self, role)[0] for role in "xyuv"} | ({"frame": self.frame} if self.frame else {})
         columns = {role: name if name.isdigit() else repr(name) for role, name in columns.items()}
-        sign = {} if self.layouts[0][0] == "," else {"delimiter": repr(self.layouts[0][0])}
+        mark = self.layouts[0][0]
+        # YAML does not read Python's two letters for a tab as one.
+        sign = {} if mark == "," else {"delimiter": "tab" if mark == "\t" else repr(mark)}
         told = ", ".join(f"{key}: {value}" for key, value in (columns | sign | said).items())
         return f'--set format=table --set "table={{{told}}}"'

@@ -17,7 +17,7 @@ LENGTHS = {
     "mm": ("mm", 1.0), "m": ("mm", 1e3), "cm": ("mm", 10.0), "um": ("mm", 1e-3), "µm": ("mm", 1e-3),
     "μm": ("mm", 1e-3), "micron": ("mm", 1e-3), "microns": ("mm", 1e-3), "in": ("mm", 25.4), "inch": ("mm", 25.4),
 }  # fmt: skip
-_COMMA = re.compile(r"\d,\d")
+_SIGN = re.compile(r"[.,](?=\d)")
 _DAVIS8 = re.compile(r'^#DaVis \S+ 2D-vector \d+ (\d+) (\d+) "" "(\w+)" "" "(\w+)" "([^"]*)" "([^"]*)"')
 
 
@@ -45,10 +45,14 @@ def cells_of(line: str, delimiter: str) -> list[str]:
 
 
 def with_units(cells: list[str]) -> list[str]:
-    """Cells that stood between blanks, of which a unit in brackets belongs to the name before it."""
+    """Cells that stood between blanks, of which a unit in brackets belongs to the name before it.
+
+    In a line of units alone, each is a cell of its own.
+    """
     merged: list[str] = []
     for cell in cells:
-        if merged and cell[:1] in ("[", "(") and cell[-1:] in ("]", ")"):
+        named = bool(merged) and merged[-1][:1] not in ("[", "(") and any(map(str.isalnum, merged[-1]))
+        if named and cell[:1] in ("[", "(") and cell[-1:] in ("]", ")"):
             merged[-1] += f" {cell}"
         else:
             merged.append(cell)
@@ -89,7 +93,8 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
             if len(names) < 4 or not set(dialect.recognised) <= seen or seen & set(dialect.absent):
                 continue
             decimals = {decimal for sign, decimal in dialect.layouts if sign == delimiter}
-            comma = len(decimals) > 1 and _has_decimal_comma(lines[index + 1 :])
+            columns = [k for k, name in enumerate(names) if {name, bare(name)} & _read(dialect)]
+            comma = len(decimals) > 1 and _has_decimal_comma(lines[index + 1 :], delimiter, columns)
             decimal = "," if comma or decimals == {","} else "."
             units = _units_below(lines[index + 1 : index + 2], delimiter, len(names))
             if units is None or any(bare(name) != name for name in names):
@@ -100,9 +105,24 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
     return None
 
 
-def _has_decimal_comma(lines: list[str]) -> bool:
-    """Whether a comma stands between digits: one in a word says nothing of numbers."""
-    return any("," in line and _COMMA.search(line) for line in lines)
+def _read(dialect: Dialect) -> set[str]:
+    """Names of the columns that hold positions and displacements."""
+    return {*dialect.x, *dialect.y, *dialect.u, *dialect.v}
+
+
+def _has_decimal_comma(lines: list[str], delimiter: str, columns: list[int]) -> bool:
+    """Whether the first number of these columns that has a sign has a comma: clocks and numbers of points may have one.
+
+    Of several signs in a number the last is that of decimals.
+    """
+    for line in lines:
+        # Whole numbers say nothing of the sign.
+        if "," in line or "." in line:
+            cells = cells_of(line, delimiter)
+            signs = [_SIGN.findall(cells[k]) for k in columns if k < len(cells) and cells[k][-1:].isdigit()]
+            if any(signs):
+                return next(filter(None, signs))[-1] == ","
+    return False
 
 
 def _units_below(lines: list[str], delimiter: str, width: int) -> list[str] | None:
@@ -119,8 +139,7 @@ def _without_names(lines: list[str], dialect: Dialect) -> Layout | None:
         for delimiter, decimal in dialect.layouts:
             cells = [cell.replace(",", ".") if decimal == "," else cell for cell in cells_of(line, delimiter)]
             if min(wanted) >= 0 and max(wanted) < len(cells) and all(is_number(cells[k]) for k in wanted):
-                # Whole numbers in the first row say nothing of the sign.
-                comma = (delimiter, ",") in dialect.layouts and _has_decimal_comma(lines[index:])
+                comma = (delimiter, ",") in dialect.layouts and _has_decimal_comma(lines[index:], delimiter, wanted)
                 return Layout([str(k + 1) for k in range(len(cells))], delimiter, "," if comma else decimal, index - 1)
     return None
 

@@ -12,6 +12,8 @@ from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
 from hypernode.dic.text import read_text, shown
 from hypernode.dic.validity import failed, known_columns, named_columns, question, value_of
 
+#: What says the sign where the file does not show it.
+_DECLARED = "; of a declared table, table: {decimal: ...} says the sign"
 _WORDS = {"true": 1.0, "false": 0.0}
 
 
@@ -149,7 +151,7 @@ def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> f
         return float("_" if "_" in word or (turned and "." in word) else word.replace(",", ".") if turned else word)
     except ValueError:
         seen = ("." in word and "a decimal point among decimal commas") if turned else ("," in word and "decimal comma")
-        hint = f" ({seen}? export with decimal points and no sign of thousands)" if seen else ""
+        hint = f" ({seen}? export with decimal points and no sign of thousands{_DECLARED})" if seen else ""
         if not turned and {".", ","} <= set(word):
             hint = " (thousands? export without their sign)"
         elif not any(map(str.isdigit, word)):

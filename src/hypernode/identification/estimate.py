@@ -60,6 +60,11 @@ class Estimate:
         return 0
 
     @property
+    def gradual(self) -> bool:
+        """Whether the stiffness of one material changes gradually."""
+        return False
+
+    @property
     def layered(self) -> bool:
         """Whether cells that an interface cuts are layers of two materials."""
         return False

@@ -66,6 +66,11 @@ class InterfaceEstimate(Estimate):
         return self.problem.basis
 
     @property
+    def gradual(self) -> bool:
+        """Whether the stiffness of one material changes gradually."""
+        return len(self.field.gradual) > 0
+
+    @property
     def layered(self) -> bool:
         """Whether a line cuts cells."""
         return len(self.field.distances) > 0
@@ -73,7 +78,7 @@ class InterfaceEstimate(Estimate):
     @property
     def material_count(self) -> int:
         """Number of materials; 0 for a gradual change."""
-        return 0 if len(self.field.gradual) else self.field.count
+        return 0 if self.gradual else self.field.count
 
     @property
     def labels(self) -> Int[np.ndarray, " cell"]:

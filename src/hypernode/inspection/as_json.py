@@ -46,6 +46,7 @@ def _frames(field: Field) -> dict:
         "y_points": field.y_points,
         "numbers": field.numbers,
         "absent": field.absent,
+        "absent_count": field.absent_count,
         "points": [len(field.series.x), len(field.series.y)],
         "step": field.step,
         "extent": field.extent,

@@ -81,6 +81,13 @@ class Field:
         return list(islice(gone, _MOST_ABSENT))
 
     @property
+    def absent_count(self) -> int:
+        """How many are missing, those beyond the first among them."""
+        numbers = self.numbers
+        expected = range(numbers[0], numbers[-1] + 1, self.every)
+        return len(expected) - sum(number in expected for number in set(numbers))
+
+    @property
     def step(self) -> tuple[float, float]:
         """Of the grid along x and y."""
         return tuple(float(np.median(np.diff(lines))) for lines in (self.series.x, self.series.y))

@@ -50,7 +50,7 @@ def _keyed(remark: Remark) -> str:
 def _frames(field: Field) -> list[tuple[str, str]]:
     numbers, series = field.numbers, field.series
     steps = f" in steps of {field.every}" if field.every > 1 else ""
-    absent = f", without {_some(field.absent)}" if field.absent else ", none missing"
+    absent = f", without {_some(field.absent, count=field.absent_count)}" if field.absent else ", none missing"
     columns, rows = len(series.x), len(series.y)
     grid = (
         f"{columns} x {rows} points, {field.step[0]:.4g} and {field.step[1]:.4g} {series.unit} apart: "
@@ -77,8 +77,10 @@ def _where(lost: Lost) -> str:
     return f"{lost.outline} on the outline and {lost.inside} inside"
 
 
-def _some(numbers: list, most: int = 8) -> str:
-    return ", ".join(map(str, numbers[:most])) + (f" and {len(numbers) - most} more" if len(numbers) > most else "")
+def _some(numbers: list, most: int = 8, count: int | None = None) -> str:
+    """The first of them, and how many more there are of ``count``, or of those given."""
+    count = len(numbers) if count is None else count
+    return ", ".join(map(str, numbers[:most])) + (f" and {count - most} more" if count > most else "")
 
 
 def _motion(seen: Inspection) -> str:

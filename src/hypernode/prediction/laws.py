@@ -1,5 +1,6 @@
 """The laws of the phases of an identified specimen."""
 
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,7 +54,7 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
     names, none = [f"posterior.{name}" for name in basis.names], np.zeros((0, len(basis.names)))
     has_samples, seen = names[0] in file, domain_of(file)
     if "material_label" not in file:
-        if np.ptp(params[1:], axis=(1, 2)).any():
+        if not file.attrs.get("gradual") or np.ptp(params[1:], axis=(1, 2)).any():
             raise PredictionError(
                 f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
                 "layers: true, or with fewer terms"
@@ -86,6 +87,7 @@ def _of_gradual(basis: ConvexBasis, params, drawn, source: str, seen: Domain | N
     """
     best, samples = np.median(params, axis=1), np.median(drawn, axis=1)
     if count := len(samples):
-        # As many places as there are samples, from the softest to the stiffest; samples are in no order.
-        samples[:, 0] += np.quantile(params[0], (np.arange(count) + 0.5) / count) - best[0]
+        # As many places as there are samples, in an order without a trend and unlike that of other sheets.
+        places = np.random.default_rng(zlib.crc32(source.encode())).permutation(count)
+        samples[:, 0] += np.quantile(params[0], (places + 0.5) / count) - best[0]
     return PhaseLaw(source=source, label=0, basis=basis, best=best, samples=samples, seen=seen)

@@ -78,13 +78,17 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "observed_displacements": problem.observed,
             "noise_rules_displacements": problem.noisy,
             "noise_deformation": problem.observations.noise_deformation,
-            "materials": found.material_count,
-            "layered": found.layered,
-            **({"line_error": found.line_error} if found.layered else {}),
+            **_kind_of_field(found),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
         parents=[measurement_file],
     )
+
+
+def _kind_of_field(found) -> dict:
+    """Attributes that say what the field is made of."""
+    kind = {"materials": found.material_count, "gradual": found.gradual, "layered": found.layered}
+    return kind | ({"line_error": found.line_error} if found.layered else {})
 
 
 def _geometry(found) -> dict:
