@@ -29,7 +29,7 @@ def field(level, area, scatter=0.01, gradual=True):
         content[f"posterior.{name}"] = (("posterior_sample", "subcell", "cell"), moved[:, None])
     load = {"stretch": ("load_step", [1.1])}
     return xr.Dataset(
-        grid(MESH) | content | load, attrs=kind | {"units": json.dumps(SYNTHETIC_UNITS), "gradual": gradual}
+        grid(MESH) | content | load, attrs=kind | {"units": json.dumps(SYNTHETIC_UNITS), "gradual": json.dumps(gradual)}
     )
 
 

@@ -54,7 +54,7 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
     names, none = [f"posterior.{name}" for name in basis.names], np.zeros((0, len(basis.names)))
     has_samples, seen = names[0] in file, domain_of(file)
     if "material_label" not in file:
-        if not file.attrs.get("gradual") or np.ptp(params[1:], axis=(1, 2)).any():
+        if file.attrs.get("gradual") != "true" or np.ptp(params[1:], axis=(1, 2)).any():
             raise PredictionError(
                 f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
                 "layers: true, or with fewer terms"

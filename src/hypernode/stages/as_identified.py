@@ -37,7 +37,7 @@ def problem_as_identified(
     taken = BelievedNoise.read(field.attrs).of(measurement if window is None else window.of(measurement))
     # What is not noise is what finite elements were taken to miss.
     floor = float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
-    problem = problem_of_basis(taken, settings, law, subcells, floor=floor, at_lines=bool(field.attrs["layered"]))
+    problem = problem_of_basis(taken, settings, law, subcells, floor=floor, at_lines=field.attrs["layered"] == "true")
     if abs(problem.sigma - sigma) <= ROUNDING * sigma:
         return problem, taken
     raise OtherUncertainty(
