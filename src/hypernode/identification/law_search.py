@@ -83,10 +83,12 @@ class LawSearch:
             field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
             move, u = f"without {kept.terms[-1]}", kept.u
             found = trials.descend(move, kept, problem, field, u, self._steps, NEAR, window, self._finds)
-            gain = -np.inf if found is None else found.gain_over(kept)
-            if gain <= -EVIDENCE:
-                if found is not None:
-                    trials.passed_over(found, f"scores {-gain:+.1f} against the law with {kept.terms[-1]}")
+            if found is None:
+                break
+            gain = found.gain_over(kept)
+            if gain <= -EVIDENCE or kept.halves(found):
+                why = f"scores {-gain:+.1f} against" if gain <= -EVIDENCE else "leaves twice the squares of"
+                trials.passed_over(found, f"{why} the law with {kept.terms[-1]}")
                 break
             trials.passed_over(kept, f"scores {gain:+.1f} against the law without {kept.terms[-1]}")
             kept = found
