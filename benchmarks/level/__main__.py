@@ -9,15 +9,12 @@ STUDY is ``seen``, ``records`` or ``laws`` (benchmarks/level/designs.py); NAME i
 
 import argparse
 import json
-import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from benchmarks.level.designs import STUDIES
 from benchmarks.level.one import SPREADS
-from benchmarks.strangers.one import ROOT
+from benchmarks.strangers.running import scored
 
 #: Stated standard uncertainty up to which a level is known well.
 NARROW = 0.05
@@ -28,19 +25,10 @@ def row_of(study: str, name: str, folder: Path, changed: dict) -> dict:
     file = folder / "score.json"
     if file.is_file() and json.loads(file.read_text()).get("changed", {}) != changed:
         file.unlink()
-    if not file.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        # One core each: sheets side by side share the machine.
-        environment = os.environ | {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
-        environment.setdefault("HYPERNODE_CACHE", str(folder.resolve().parent / "compiled"))
-        command = [sys.executable, "-m", "benchmarks.level.one", study, name, str(folder.resolve())]
-        command.append(json.dumps(changed))
-        done = subprocess.run(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, text=True)
-        if not file.is_file():
-            said = done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"]
-            print(f"{name:36} {said[-1]}", flush=True)
-            return {"name": name, "error": said[-1]}
-    row = json.loads(file.read_text())
+    row = scored("benchmarks.level.one", [study, name, str(folder.resolve()), json.dumps(changed)], folder)
+    if isinstance(row, str):
+        print(f"{name:36} {row}", flush=True)
+        return {"name": name, "error": row}
     print(_line(row), flush=True)
     return row
 

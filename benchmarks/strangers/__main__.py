@@ -8,16 +8,12 @@ Usage: python -m benchmarks.strangers SEED [SEED ...] [--cores 2] [--to .cache/s
 """
 
 import argparse
-import json
-import os
 import shutil
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from benchmarks.strangers.one import ROOT
 from benchmarks.strangers.report import draw, notes, table_of
+from benchmarks.strangers.running import scored
 from hypernode.figures.style import save
 from hypernode.storage.provenance import code_hash, describe
 from hypernode.tables.writing import write_table
@@ -25,19 +21,10 @@ from hypernode.tables.writing import write_table
 
 def row_of(seed: int, folder: Path) -> dict:
     """The score of a seed, or its error; runs it where it has none."""
-    file = folder / "score.json"
-    if not file.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        # One core each: sheets side by side share the machine.
-        environment = os.environ | {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
-        environment.setdefault("HYPERNODE_CACHE", str(folder.resolve().parent / "compiled"))
-        command = [sys.executable, "-m", "benchmarks.strangers.one", str(seed), str(folder.resolve())]
-        done = subprocess.run(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, text=True)
-        if not file.is_file():
-            said = done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"]
-            print(f"{seed}: {said[-1]}", flush=True)
-            return {"seed": seed, "error": said[-1]}
-    row = json.loads(file.read_text())
+    row = scored("benchmarks.strangers.one", [str(seed), str(folder.resolve())], folder)
+    if isinstance(row, str):
+        print(f"{seed}: {row}", flush=True)
+        return {"seed": seed, "error": row}
     print(
         f"{seed}: {row['tested']:.4f} off interfaces, {row['everywhere']:.4f} everywhere, {row['verdict']}, "
         f"{row['cpu_s']:.0f} s",

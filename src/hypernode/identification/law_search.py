@@ -79,10 +79,7 @@ class LawSearch:
         """
         trials = self._trials
         while kept.terms and kept.terms[-1] != "J":
-            problem, window = trials.with_terms(kept, kept.terms[:-1]), kept.fit.window
-            field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
-            move, u = f"without {kept.terms[-1]}", kept.u
-            found = trials.descend(move, kept, problem, field, u, self._steps, NEAR, window, self._finds)
+            found = self._of_terms(kept, kept.terms[:-1], f"without {kept.terms[-1]}", move_lines=True)
             if found is None:
                 break
             gain = found.gain_over(kept)
@@ -96,10 +93,16 @@ class LawSearch:
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""
-        problem, window = self._trials.with_terms(kept, other.terms), kept.fit.window
+        return self._of_terms(kept, other.terms, "the plainer law on coarse elements", move_lines=False)
+
+    def _of_terms(self, kept: Candidate, terms: tuple[str, ...], move: str, move_lines: bool) -> Candidate | None:
+        """A candidate with other terms, from materials as stiff as its own; None without equilibrium."""
+        problem, window = self._trials.with_terms(kept, terms), kept.fit.window
         field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
-        move = "the plainer law on coarse elements"
-        return self._trials.descend(move, kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False)
+        finds, u = self._finds and move_lines, kept.u
+        return self._trials.descend(
+            move, kept, problem, field, u, self._steps, NEAR, window, finds, move_lines=move_lines
+        )
 
     def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
         """(the score that a term promises by one step of the materials, the field from which that step goes).
