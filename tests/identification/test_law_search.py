@@ -1,0 +1,59 @@
+"""Terms of a law join and leave by the same evidence, and what a candidate knows of its edges is used where it holds."""
+
+import numpy as np
+import pytest
+
+from hypernode.config.methods import Constrained
+from hypernode.data.believed_noise import BelievedNoise
+from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.law_search import LawSearch, translated
+from hypernode.identification.settings import STRATEGY
+from hypernode.identification.trials import NEAR, Trials
+from hypernode.mechanics.loads import make_load
+from tests.sheets import believed, observed_coarsely
+
+NOISE, STEPS = 1e-4, [0, 1]
+SETTINGS = Constrained(terms=["I1_squared", "I2"], layers=True)
+LOAD = make_load("biaxial", [[1.2, 1.05], [1.4, 1.1]])
+
+
+def one_material(**material):
+    """(trials of a homogeneous sheet, one neo-Hookean material for it)."""
+    data, _ = observed_coarsely(8, lambda X: np.zeros(len(X)), LOAD, 0.0, **material)
+    noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
+    trials = Trials(believed(data.assign(u_measured=data["u_measured"] + noise), NOISE), SETTINGS, "sheet", STRATEGY)
+    problem = trials.problem([])
+    params = problem.homogeneous.params
+    u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
+    field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
+    return trials, trials.descend("one material", None, problem, field, u, STEPS, NEAR)
+
+
+@pytest.fixture(scope="module")
+def neo_hookean():
+    return one_material()
+
+
+def test_a_term_that_explains_nothing_leaves(neo_hookean):
+    trials, one = neo_hookean
+    problem = trials.with_terms(one, ("I2",))
+    field = one.fit.field.with_law(translated(one.fit.field.materials, one.problem, problem))
+    with_term = trials.descend("with I2", one, problem, field, one.u, STEPS, NEAR)
+    assert LawSearch(trials, STEPS, False).plainer(with_term).terms == ()
+
+
+def test_a_term_that_the_test_asks_for_joins_and_stays():
+    trials, one = one_material(terms=("I2",), values={"log1p_I2": 1.0})
+    law = LawSearch(trials, STEPS, False)
+    kept = law.end(one)
+    assert kept.terms == ("I2",)
+    assert law.plainer(kept) is kept
+
+
+def test_answers_to_errors_of_edges_serve_the_same_steps_under_the_same_noise(neo_hookean):
+    trials, one = neo_hookean
+    assert one.edges(trials.problem([], subcells=2), STEPS) is one.fit.edges
+    assert one.edges(one.problem, [1]) is None
+    measurement = trials.measurement
+    louder = Trials(BelievedNoise(factor=2.0).of(measurement), SETTINGS, "sheet", STRATEGY)
+    assert one.edges(louder.problem([]), STEPS) is None
