@@ -1,4 +1,4 @@
-"""Terms of a law join and leave by the same evidence, and what a candidate knows of its edges is used where it holds."""
+"""Terms of a law join and leave by the same evidence; what a candidate knows of its edges serves where it holds."""
 
 import numpy as np
 import pytest
