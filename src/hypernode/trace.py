@@ -58,6 +58,7 @@ class Trial:
         misfits: root mean square over the uncertainty, by name.
         score: None where a search ended without an equilibrium.
         ending: how its descent ended.
+        promises: by how much each term that may join promised to improve the score, by a score test.
         order: of when it was tried among all others; rows are renumbered, so that no file depends on it.
     """
 
@@ -68,6 +69,7 @@ class Trial:
     misfits: Mapping[str, float]
     score: Score
     ending: str
+    promises: Mapping[str, float] = field(default_factory=dict)
     order: int = field(default_factory=itertools.count().__next__)
 
 
@@ -127,6 +129,7 @@ class Trace:
                     "total": trial.score.total,
                     "ending": trial.ending,
                     "reason": reason,
+                    "promises": dict(trial.promises),
                 }
             )
         return rows

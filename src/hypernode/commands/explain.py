@@ -67,6 +67,12 @@ def reasons(rows: list[dict]) -> list[str]:
 
     kept = next(row for row in rows if row["reason"] == KEPT)
     lines = [f"Kept: {_named(kept)}, {kept['ending']}; displacements are missed by {_misfit(kept)} of their noise."]
+    promised = sorted(kept.get("promises", {}).items(), key=lambda each: -each[1])
+    if promised:
+        told = ", ".join(f"{term} {gain:+.1f}" for term, gain in promised)
+        lines.append(
+            f"Terms that could join promised to improve the score by: {told}. Those below zero were not tried."
+        )
     others: dict[tuple, dict] = {}
     for row in rows:
         key = (row["materials"], tuple(row["terms"]))

@@ -10,7 +10,7 @@ from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import force_uncertainty, is_cut_out
 from hypernode.evaluation.compression import judge_compression
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
-from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places
+from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places, of_few_numbers
 from hypernode.evaluation.level_budget import SHARE, LevelBudget, judge_level, level_of
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.phases import FLOOR, NOT_JUDGED, SEEN
@@ -56,7 +56,7 @@ def judge_run(
             _outliers(measurement, settings),
             _forces(summary, measurement, force),
             judge_left_out(constrained, settings),
-            _law(summary, constrained, explained, settings),
+            _law(summary, constrained, explained, uncertainty, settings),
             _networks(summary, settings),
             _equilibrium(summary, measurement, settings),
             _force_record(measurement),
@@ -115,7 +115,7 @@ def _forces(summary, measurement, threshold: Threshold) -> Criterion:
     return limited("forces", "Edge forces are missed by", summary["edge_force_error_identified"], threshold)
 
 
-def _law(summary, constrained, explained: Criterion, settings: Settings) -> Criterion:
+def _law(summary, constrained, explained: Criterion, uncertainty: float, settings: Settings) -> Criterion:
     """Whether a law follows the forces.
 
     One material for the whole sheet tells this of any field. A sheet of unlike materials follows no such course, so few
@@ -127,10 +127,12 @@ def _law(summary, constrained, explained: Criterion, settings: Settings) -> Crit
     misfits = json.loads(constrained.attrs["homogeneous_force_misfit"])
     # The maximum of Python's own loses what is not a number.
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
-    own, few = summary["edge_force_error_identified"], int(constrained.attrs.get("materials", 0)) > 0
-    if few and explained.level is Level.PASSED and own < worst:
-        return limited(name, "The materials that explain the displacements miss the forces by", own, settings.law)
-    return limited(name, "The closest material of the basis misses the forces by", worst, settings.law)
+    own = summary["edge_force_error_identified"]
+    # What forces are uncertain by is no error of a law.
+    limit = Threshold(max(settings.law.warn, uncertainty), settings.law.fail)
+    if of_few_numbers(constrained) and explained.level is Level.PASSED and own < worst:
+        return limited(name, "The materials that explain the displacements miss the forces by", own, limit)
+    return limited(name, "The closest material of the basis misses the forces by", worst, limit)
 
 
 def _networks(summary, settings: Settings) -> Criterion:

@@ -70,6 +70,17 @@ class Candidate:
         return self.fit.edges if alike else None
 
     @property
+    def missed(self) -> float:
+        """Misfit of the displacements over what is expected of their errors."""
+        return self.fit.misfit / self.problem.observations.scatter
+
+    @property
+    def sigma_left(self) -> float:
+        """Uncertainty of displacements whose errors count as independent, with what is left of them as their noise."""
+        left = self.fit.left
+        return self.problem.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0)
+
+    @property
     def leaves_more_than_noise(self) -> bool:
         """Whether displacements leave more than their noise by chance."""
         known = self.problem.observations.noise_uncertainty
@@ -122,8 +133,8 @@ class Candidate:
             places=fit.field.places,
         )
 
-    def trial(self, start: Trial | None, independent: float) -> Trial:
-        """Its record, with :meth:`score`."""
-        misfits = {"displacement": self.fit.misfit, "force": self.fit.forces}
-        ending = str(self.fit.ending)
-        return Trial(self.move, start, self.terms, self.fit.field.count, misfits, self.score(independent), ending)
+    def trial(self, start: Trial | None, independent: float, promises: Mapping[str, float]) -> Trial:
+        """Its record, with :meth:`score` and what terms that may join promised."""
+        misfits = {"displacement": self.missed, "force": self.fit.forces}
+        score, ending = self.score(independent), str(self.fit.ending)
+        return Trial(self.move, start, self.terms, self.fit.field.count, misfits, score, ending, promises)

@@ -14,12 +14,12 @@ from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interface_numbers import HELD, bends_of, held_of
 from hypernode.identification.interfaces import Lines
+from hypernode.identification.law_search import LawSearch
 from hypernode.identification.objective import Objective
 from hypernode.identification.regulariser import JumpCost
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
 from hypernode.identification.window_error import changed_by_window, told_errors
-from hypernode.trace import Trial
 
 #: Steps of the last descent, which begins where the search ended.
 STEPS = 20
@@ -40,10 +40,13 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     every = list(range(len(kept.problem.observations.u)))
     floor = _believed(trials, kept, finds_window and kept.fit.field.count > 1)
     problem = trials.problem(kept.terms, kept.subcells, floor)
-    descent = InterfaceFit(SeenTest(problem, every), settled=True)
     field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, kept.fit.field.lines))
-    fit = descent.descend(field, [_near(kept, k) for k in every], STEPS)
-    return None if fit is None else _estimate(trials, Candidate("all load steps", kept, problem, fit, kept.u), descent)
+    u = {k: _near(kept, k) for k in every}
+    found = trials.descend("all load steps", kept, problem, field, u, every, STEPS)
+    if found is None:
+        return None
+    # Steps that the search left out may tell a term more.
+    return _estimate(trials, LawSearch(trials, every, False).end(found))
 
 
 def _near(kept: Candidate, step: int) -> np.ndarray:
@@ -87,19 +90,16 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     return min(share * size, trusted * float(np.abs(observations.u).max())) if final.fit.field.distances.size else 0.0
 
 
-def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> InterfaceEstimate:
-    fit, problem, test = found.fit, found.problem, descent.test
-    moves, materials = descent.moves(fit.field), fit.field.materials
+def _estimate(trials: Trials, found: Candidate) -> InterfaceEstimate:
+    fit, problem = found.fit, found.problem
+    test = SeenTest(problem, fit.steps, fit.window, fit.edges)
+    moves, materials = InterfaceFit(test).moves(fit.field), fit.field.materials
     count = len(fit.field.numbers(moves))
     unknown = np.where(np.arange(count) < materials.size, 0.0, HELD)
     going = np.ones(count, bool)
     going[: materials.size] = (materials > problem.basis.lowest).ravel()
     each = zip(fit.states, problem.observations.boundaries, strict=True)
     trace, records = trials.trace(fit.left.independent)
-    misfits = {"displacement": fit.misfit / problem.observations.scatter, "force": fit.forces}
-    score = found.score(fit.left.independent)
-    start = records[found.start]
-    trial = Trial(found.move, start, found.terms, fit.field.count, misfits, score, str(fit.ending))
     return InterfaceEstimate(
         Objective(problem, None, 0.0, JumpCost(), np.zeros(count), np.zeros(count), trials.strategy),
         test.jacobian(fit.field, fit.states, moves),
@@ -109,13 +109,11 @@ def _estimate(trials: Trials, found: Candidate, descent: InterfaceFit) -> Interf
         fit.cost,
         fit.ending,
         None,
-        trial=trial,
-        trace=trace.with_trial(trial),
-        field=fit.field,
+        trial=records[found],
+        trace=trace,
+        found=found,
         moves=moves,
         going=going,
         # Where neither data nor bends say anything of a distance, it is known to some cells.
         held=held_of(fit.field, bends_of(fit.field, moves), trials.strategy.ridge) + scipy.sparse.diags(unknown),
-        left=fit.left,
-        scored=score,
     )

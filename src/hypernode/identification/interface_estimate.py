@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float, Int
 
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_noise import Left
 from hypernode.identification.interfaces import Interfaces
@@ -45,20 +46,26 @@ class InterfaceEstimate(Estimate):
     """Materials and lines.
 
     Attributes:
-        field: the materials and the lines.
+        found: materials and lines where the search ended.
         moves: how the distances from each line follow when its points move.
         going: which parameters are free; coefficients at zero stay zero.
         held: inverse covariance of the numbers without data.
-        left: residuals of the displacements.
-        scored: the parts of its score.
     """
 
-    field: Interfaces = None
+    found: Candidate = None
     moves: list = None
     going: np.ndarray = None
     held: scipy.sparse.csr_matrix = None
-    left: Left = None
-    scored: Score = None
+
+    @property
+    def field(self) -> Interfaces:
+        """Materials and lines."""
+        return self.found.fit.field
+
+    @property
+    def left(self) -> Left:
+        """Residuals of the displacements."""
+        return self.found.fit.left
 
     @property
     def basis(self) -> ConvexBasis:
@@ -93,7 +100,7 @@ class InterfaceEstimate(Estimate):
     @property
     def score(self) -> Score:
         """As the search scored it."""
-        return self.scored
+        return self.found.score(self.left.independent)
 
     @functools.cached_property
     def effective_parameters(self) -> float:

@@ -13,7 +13,7 @@ from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_noise import Left, left_of
 from hypernode.identification.interface_numbers import UNKNOWN, Derivatives, Numbers, numbers_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.projected_newton import bounded_step, projected_steps
+from hypernode.identification.projected_newton import projected_steps
 from hypernode.identification.seen_test import SeenTest
 from hypernode.verdict import Ending
 
@@ -131,18 +131,6 @@ class InterfaceFit:
                 ending = Ending.CONVERGED
                 break
         return self._fit(field, states, ending, history)
-
-    def predicted(self, field: Interfaces, guesses, sigma: float) -> float:
-        """Cost predicted by the linear model after one step; infinite without equilibrium."""
-        if (states := self.test.states(field, guesses)) is None:
-            return np.inf
-        numbers, shared = self._numbers(field), self.test.shared(states, sigma)
-        residuals = self.test.residuals(states, sigma)
-        answers = self.test.answers(states, self.test.loads(field, states, numbers.moves), sigma)
-        curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
-        curvature, gradient = curvature + numbers.held.toarray(), gradient + numbers.slope(numbers.y)
-        _, gain, _ = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, self._strategy)
-        return 0.5 * shared.squared(residuals) + numbers.prior(numbers.y) - gain
 
     def _followed(self, field: Interfaces, states, sigma: float) -> Derivatives:
         """Derivatives at a field."""

@@ -1,15 +1,14 @@
 """Search for the terms of the law: one after the other, as long as the score improves."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import EVIDENCE, Candidate
-from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.score_test import BELONGS, Joined, score_test
 from hypernode.identification.trials import NEAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
@@ -17,9 +16,6 @@ from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 FAR_STEPS = 20
 #: How many of the terms that may join are tried, those first that promise most.
 TERMS_TRIED = 2
-#: Terms that say more of another one.
-BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
-
 #: Terms that contain the thickness, which J leaves open.
 OF_THICKNESS = ("I2", "ogden")
 
@@ -46,31 +42,45 @@ class LawSearch:
     def end(self, kept: Candidate) -> Candidate:
         """Add terms one after the other as long as the score improves; the lines are fitted again.
 
-        The two terms with the largest predicted gains are tried, and the better one is kept if it improves the score.
-        If neither does and the residual exceeds noise, the others are tried until one does.
+        Of the terms that promise to improve it, the two that promise most are tried, and the better one is kept. Two
+        terms of the other may be better still than the one: that is tried as well, where it promises to be.
         """
-        trials = self._trials
         while not kept.leaves_nothing:
-            promises = {term: self._promise(kept, term) for term in self._open(kept)}
-            promising, paid = sorted(promises, key=lambda term: promises[term][0]), None
-            for number, term in enumerate(promising):
-                # Where lines and materials leave deformation, one step is too short to say what a term explains.
-                if number >= TERMS_TRIED and (paid is not None or not kept.misses_deformation):
-                    break
-                found, best = self._with(kept, term, promises[term][1]), paid or kept
-                if found is None:
-                    continue
-                gain = found.gain_over(best)
-                if gain > EVIDENCE:
-                    trials.passed_over(best, f"scores {gain:+.1f} against the law with {term}")
-                    paid = found
-                else:
-                    against = f"with {best.terms[-1]}" if best is paid else f"without {term}"
-                    trials.passed_over(found, f"scores {-gain:+.1f} against the law {against}")
-            if paid is None:
+            tried = self._next(kept, 0.0)
+            best = self._best(kept, tried)
+            if best is kept:
                 break
-            kept = self._settled(paid)
+            for other in tried:
+                if other is not best and other.gain_over(kept) > 0.0:
+                    best = self._best(best, self._next(other, best.gain_over(other), most=1))
+            kept = self._settled(best)
         return kept
+
+    def _next(self, start: Candidate, asked: float, most: int = TERMS_TRIED) -> list[Candidate]:
+        """Candidates with one term more, of terms that promise to gain more than is asked, those first that promise
+        most."""
+        terms = open_terms(start.terms, self._trials.settings)
+        if not terms:
+            return []
+        score = score_test(start, terms)
+        promises = {term: _promise(score.joined(term), start) for term in terms}
+        self._trials.promised(start, {term: gain for term, (gain, _) in promises.items()})
+        promising = [term for term in sorted(terms, key=lambda term: -promises[term][0]) if promises[term][0] > asked]
+        tried = (self._with(start, term, promises[term][1]) for term in promising[:most])
+        return [found for found in tried if found is not None]
+
+    def _best(self, kept: Candidate, tried: list[Candidate]) -> Candidate:
+        """The candidate, or one of others for which there is evidence against it."""
+        best = kept
+        for found in tried:
+            gain = found.gain_over(best)
+            if gain > EVIDENCE:
+                self._trials.passed_over(best, f"scores {gain:+.1f} against the law with {found.terms[-1]}")
+                best = found
+            else:
+                against = f"without {found.terms[-1]}" if best is kept else f"with {best.terms[-1]}"
+                self._trials.passed_over(found, f"scores {-gain:+.1f} against the law {against}")
+        return best
 
     def plainer(self, kept: Candidate) -> Candidate:
         """The law without the terms that paid last, as long as they gain less than evidence asks for.
@@ -104,24 +114,6 @@ class LawSearch:
             move, kept, problem, field, u, self._steps, NEAR, window, finds, move_lines=move_lines
         )
 
-    def _promise(self, kept: Candidate, term: str) -> tuple[float, Interfaces]:
-        """(the score that a term promises by one step of the materials, the field from which that step goes).
-
-        Fibres go from the direction that promises most: along the one where they begin, they cannot turn.
-        """
-        problem = self._trials.with_terms(kept, (*kept.terms, term))
-        left = kept.fit.left
-        sigma = problem.sigma * max(left.level * left.inflation**0.5, 1.0)
-        edges = kept.edges(problem, self._steps)
-        descent = InterfaceFit(SeenTest(problem, self._steps, kept.fit.window, edges), move_lines=False)
-        begun = translated(kept.fit.field.materials, kept.problem, problem)
-        guesses = [kept.u[k] for k in self._steps]
-        fields = [kept.fit.field.with_law(each) for each in turned(begun, problem, term)]
-        costs = [descent.predicted(field, guesses, sigma) for field in fields]
-        best = int(np.argmin(costs))
-        price = 0.5 * len(problem.basis.names) * np.log(max(left.independent, 2.0))
-        return costs[best] + price, fields[best]
-
     def _lines_again(self, kept: Candidate) -> Candidate:
         """Lines that follow another law."""
         if kept.fit.field.count == 1:
@@ -133,21 +125,41 @@ class LawSearch:
         )
         return found or kept
 
-    def _with(self, kept: Candidate, term: str, field: Interfaces) -> Candidate | None:
-        """The same lines between materials of a law with one term more, from a field that has it."""
+    def _with(self, kept: Candidate, term: str, direction: int) -> Candidate | None:
+        """The same lines between materials of a law with one term more, fibres from a direction."""
         problem, window = self._trials.with_terms(kept, (*kept.terms, term)), kept.fit.window
+        begun = turned(translated(kept.fit.field.materials, kept.problem, problem), problem, term)[direction]
+        field = kept.fit.field.with_law(begun)
         return self._trials.descend(
             f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
         )
 
-    def _open(self, kept: Candidate) -> list[str]:
-        """Terms that may join: those of the configuration which say nothing of a term that is not there."""
-        settings = self._trials.settings
-        every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
-        # One test hardly tells fibres and a volume that changes from one another.
-        told = (*OF_THICKNESS, "fibre") if "J" in kept.terms and "J" not in settings.terms else ()
-        known = (*kept.terms, *told)
-        return [term for term in every if term not in known and BELONGS.get(term, term) in (*kept.terms, term)]
+    def _open(self, kept: Candidate) -> tuple[str, ...]:
+        return open_terms(kept.terms, self._trials.settings)
+
+
+def open_terms(kept: Sequence[str], settings: Constrained) -> tuple[str, ...]:
+    """Terms of the configuration that may join a law: those which say nothing of a term that is not there.
+
+    J is another law.
+    """
+    every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
+    # One test hardly tells fibres and a volume that changes from one another.
+    told = (*OF_THICKNESS, "fibre") if "J" in kept and "J" not in settings.terms else ()
+    known = (*kept, *told, "J")
+    return tuple(term for term in every if term not in known and BELONGS.get(term, term) in (*kept, term))
+
+
+def _promise(joined: list[Joined], kept: Candidate) -> tuple[float, int]:
+    """(by how much a term promises to improve the score, number of the direction from which fibres go)."""
+    independent, ridge, promised = kept.fit.left.independent, kept.problem.strategy.ridge, []
+    for number, each in enumerate(joined):
+        x, gain = each.least(ridge)
+        # As the score counts parameters of terms and numbers that the data determine.
+        cost = 0.5 * len(each.new) * float(np.log(max(independent, 2.0))) + np.count_nonzero(x)
+        stronger = int(np.argmax(x.reshape(kept.fit.field.count, -1).sum(axis=0)))
+        promised.append((gain - cost, (number + stronger) % len(joined)))
+    return max(promised)
 
 
 def turned(materials: np.ndarray, problem: FieldProblem, term: str) -> list[np.ndarray]:

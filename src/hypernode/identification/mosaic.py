@@ -160,7 +160,7 @@ class Mosaic(Interfaces):
         change = response.by_weight[:number] - response.by_weight[now]
         rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
         by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (mesh.nodes.size, number))
-        return scipy.sparse.hstack([by_options, self.loads_of_materials(response, of)], format="csr")
+        return scipy.sparse.hstack([by_options, self.loads_of_materials(response.by_materials, of)], format="csr")
 
 
 def _sides(mesh: Mesh) -> scipy.sparse.csr_matrix:

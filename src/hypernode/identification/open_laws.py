@@ -1,40 +1,40 @@
 """Laws that a test cannot tell from the one that was kept, and what they leave open of other deformations.
 
-A term that does not pay is not known to be none. Each one that is left joins the law of the materials, which take a few
-steps with it. Where they then explain the test as well, samples of that law stand beside those of the kept one.
+A term that does not pay is not known to be none. To first order the test says how large its coefficients may be, with
+what the kept numbers make of them. Samples of that law stand beside those of the kept one. A law with another volume
+contains no kept one: its materials take a few steps first.
 """
 
 import dataclasses
+import functools
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_estimate import InterfaceEstimate
+from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import BELONGS, OF_THICKNESS, translated, turned
+from hypernode.identification.law_search import OF_THICKNESS, open_terms, translated
 from hypernode.identification.problem import FieldProblem, with_law
-from hypernode.identification.projected_newton import bounded_step
+from hypernode.identification.score_test import score_test
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import largest_and_half
-from hypernode.mechanics.convex_basis import PARAMETERS, ConvexBasis
+from hypernode.mechanics.convex_basis import ConvexBasis
 
-#: Steps of materials with one term more: they begin near the kept ones.
-STEPS = 5
-#: Standard deviation of a parameter of that term without data: it is about as strong as the neo-Hookean term at most.
+#: Inverse variance of a coefficient without data: terms are about as strong as the neo-Hookean one at most.
 USUAL = 1.0
 #: Logarithm of the likelihood that such a law may lack and still be no worse: two standard deviations of one number.
 AS_WELL = 2.0
-#: How often a sample may be brought nearer to its fit by half.
+#: How often samples may be brought nearer to the best by half.
 HALVED = 5
-#: Where terms begin otherwise than a law does. Fibres begin weak and as strong as half of the matrix: along a valley
-#: that bends, samples of one end say little of the other. An area begins near one that keeps the volume: c3 = 0.1 and
-#: c4 = 0.9.
-BEGUN = {
-    "fibre": ({"fibre_x": 0.1}, {"fibre_x": 0.5}),
-    "J": ({"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))},),
-}
+#: Steps of materials of another volume: they begin near the kept ones.
+STEPS = 5
+#: Where an area begins: near one that keeps the volume, c3 = 0.1 and c4 = 0.9.
+AREA = {"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,26 +54,6 @@ class OpenLaw:
     gain: float
 
 
-@dataclasses.dataclass(frozen=True)
-class _Fitted:
-    """Materials of one law near those that were kept.
-
-    Attributes:
-        test, sigma: what they were fitted to, and the uncertainty of displacements.
-        field, guesses: where they are, and displacement of every step there.
-        cost: half of the squared residuals.
-        half, of: a factor of the covariance of the numbers that may change, and which these are.
-    """
-
-    test: SeenTest
-    sigma: float
-    field: Interfaces
-    guesses: list
-    cost: float
-    half: np.ndarray
-    of: np.ndarray
-
-
 def open_laws(found: InterfaceEstimate, settings: Constrained, count: int, seed: int) -> list[OpenLaw]:
     """Every law with one term more that explains the test as well as the kept one.
 
@@ -82,106 +62,126 @@ def open_laws(found: InterfaceEstimate, settings: Constrained, count: int, seed:
         settings: configuration of the stage, whose terms may join.
         count, seed: of the samples of each law.
     """
-    steps, sigma = largest_and_half(found.problem), _sigma(found)
-    guesses = [found.states[k].u for k in steps]
-    own = _cost(SeenTest(found.problem, steps), found.field, guesses, sigma)
-    random, laws = np.random.default_rng(seed), []
-    for term in terms_left(found.basis.terms, settings):
-        terms = [kept for kept in found.basis.terms if term != "J" or kept not in OF_THICKNESS]
-        problem = with_law(found.problem, dataclasses.replace(found.basis, terms=(*terms, term)))
-        tried = [
-            _fitted(problem, found.field.with_law(each), steps, guesses, sigma)
-            for begin in BEGUN.get(term, (None,))
-            for each in turned(translated(found.field.materials, found.problem, problem, begin), problem, term)
-        ]
-        as_well = [each for each in tried if each is not None and each.cost <= own + AS_WELL]
-        if as_well:
-            samples = _samples(found, as_well, count, random)
-            laws.append(OpenLaw(term, problem.basis, samples, own - min(each.cost for each in as_well)))
-    return laws
+    kept, random, laws = found.found, np.random.default_rng(seed), []
+    for term in terms_left(kept.terms, settings):
+        if term != "J":
+            laws.append(_of_term(kept, open_terms(kept.terms, settings), term, count, random))
+        elif not _volume_refuted(found):
+            laws.append(_of_volume(kept, count, random))
+    return [law for law in laws if law is not None]
 
 
-def terms_left(kept: tuple[str, ...], settings: Constrained) -> list[str]:
-    """Terms that may join a law: those of the configuration, and J where the test decides on the volume."""
-    every = [*settings.isotropic_terms, *settings.terms, *settings.further_terms]
-    every += ["J"] if settings.volume == "told" else []
-    excluded = OF_THICKNESS if "J" in kept else ()
-    return [
-        term
-        for term in dict.fromkeys(every)
-        if term not in kept and term not in excluded and BELONGS.get(term, term) in (*kept, term)
-    ]
+def terms_left(kept: tuple[str, ...], settings: Constrained) -> tuple[str, ...]:
+    """Terms that may join a law, and J where the test decides on the volume."""
+    return open_terms(kept, settings) + (("J",) if settings.volume == "told" and "J" not in kept else ())
 
 
-def _sigma(found: InterfaceEstimate) -> float:
-    """Uncertainty of displacements, with what the kept field leaves of them."""
-    return found.problem.sigma * max(found.left.level * found.left.inflation**0.5, 1.0)
+def _volume_refuted(found: InterfaceEstimate) -> bool:
+    """Whether the search tried laws of another volume, and displacements speak against all of them."""
+    tried = [trial.misfits["displacement"] for trial in found.trace.reasons if "J" in trial.terms]
+    own = found.trial.misfits["displacement"]
+    return bool(tried) and found.left.independent * np.log(min(tried) / max(own, 1.0)) > AS_WELL
 
 
-def _cost(test: SeenTest, field: Interfaces, guesses, sigma: float) -> float:
-    """Half of the squared residuals; infinite without equilibrium."""
-    if (states := test.states(field, guesses)) is None:
-        return np.inf
-    return 0.5 * test.shared(states, sigma).squared(test.residuals(states, sigma))
+def _of_term(kept: Candidate, terms: tuple[str, ...], term: str, count: int, random) -> OpenLaw:
+    """A law that contains the kept one, fibres in all directions.
 
-
-def _fitted(problem: FieldProblem, field: Interfaces, steps, guesses, sigma: float) -> _Fitted | None:
-    """A few steps of the materials of a law, lines as they are; None without equilibrium."""
-    test, best = SeenTest(problem, steps), None
-    for _ in range(STEPS + 1):
-        if (states := test.states(field, guesses)) is None:
-            return best
-        shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-        cost = 0.5 * shared.squared(residuals)
-        if best is not None and cost >= best.cost:
-            return best
-        guesses = [u for u, _, _ in states]
-        numbers = numbers_of(problem, field, field.still, None)
-        answers = test.answers(states, test.loads(field, states, field.still), sigma)
-        curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
-        usual = np.zeros(len(numbers.y))
-        usual[: field.materials.size] = np.tile(_precision(problem.basis), field.count)
-        curvature = curvature + numbers.held.toarray() + np.diag(usual)
-        gradient = gradient + numbers.slope(numbers.y)
-        changed, _, going = bounded_step(numbers.y, gradient, curvature, numbers.lowest, 0.0, problem.strategy)
-        of = np.flatnonzero(going)
-        values, vectors = np.linalg.eigh(curvature[np.ix_(of, of)])
-        half = vectors / np.sqrt(np.maximum(values, np.finfo(float).eps * values.max()))
-        best = _Fitted(test, sigma, field, guesses, cost, half, of)
-        field = field.at(changed, field.still)
-    return best
-
-
-def _precision(basis: ConvexBasis) -> np.ndarray:
-    """Inverse variance of the parameters of the last term without data."""
-    return np.where(np.isin(basis.names, list(PARAMETERS[basis.terms[-1]])), USUAL**-2.0, 0.0)
-
-
-def _samples(found: InterfaceEstimate, fitted: list[_Fitted], count: int, random) -> np.ndarray:
-    """Samples of the fits in turn, as fields of the measured cells."""
-    of_cells = []
-    for number in range(count):
-        field = _sample(fitted[number % len(fitted)], random)
-        cells = field.materials[found.labels].T
-        cells[0] += found.field.grid_factor()
-        of_cells.append(cells)
-    return np.stack(of_cells, axis=1)[:, :, None]
-
-
-def _sample(fit: _Fitted, random) -> Interfaces:
-    """One that the test cannot tell from the fit.
-
-    The curvature says little of fibres that are nearly none. A sample that explains the test worse than chance allows
-    is brought nearer to the fit.
+    Args:
+        terms: all that may join.
     """
-    y, still = fit.field.numbers(fit.field.still), fit.field.still
-    change = fit.half @ random.normal(size=len(fit.of))
-    allowed = fit.cost + 0.5 * len(fit.of) + AS_WELL
-    for _ in range(HALVED):
-        moved = y.copy()
-        moved[fit.of] += change
-        field = fit.field.at(moved, still)
-        if _cost(fit.test, field, fit.guesses, fit.sigma) <= allowed:
-            return field
-        change = 0.5 * change
-    return fit.field
+    score = score_test(kept, terms)
+    joined, fields, gains = score.joined(term), [], []
+    test = _Compared(with_law(kept.problem, score.points.law), kept)
+    for first, each in enumerate(joined):
+        x, gain = each.least(USUAL)
+        drawn = [each.least(USUAL, random.normal(size=len(x)))[0] - x for _ in range(first, count, len(joined))]
+        changes = [each.by_chance(random.normal(size=len(each.free))) for _ in drawn]
+        far = int(np.argmax([np.abs(d).max() for d in drawn]))
+
+        def at(n, near, each=each, x=x, drawn=drawn, changes=changes):
+            y, materials = each.at(x + near * drawn[n], near * changes[n])
+            return kept.fit.field.at(y, kept.fit.field.still).with_law(materials)
+
+        near = test.near_enough(functools.partial(at, far), len(each.free) + len(x))
+        fields += [at(n, near) for n in range(len(drawn))]
+        gains.append(gain)
+    law = dataclasses.replace(kept.problem.basis, terms=(*kept.terms, term))
+    return OpenLaw(term, law, _of_cells(fields, [*joined[0].kept, *joined[0].new]), max(gains))
+
+
+def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
+    """A law of another volume; None where it explains the test worse."""
+    terms = (*(term for term in kept.terms if term not in OF_THICKNESS), "J")
+    problem = with_law(kept.problem, dataclasses.replace(kept.problem.basis, terms=terms))
+    compared = _Compared(problem, kept)
+    begun = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem, AREA))
+    steps = largest_and_half(problem)
+    test = SeenTest(problem, steps, kept.fit.window)
+    fit = InterfaceFit(test, move_lines=False).descend(begun, [kept.u[k] for k in steps], STEPS)
+    if fit is None or (gain := compared.own - compared.cost(fit.field)) < -AS_WELL:
+        return None
+    numbers = numbers_of(problem, fit.field, fit.field.still, None)
+    answers = test.answers(fit.states, test.loads(fit.field, fit.states, numbers.moves), kept.sigma_left)
+    shared, residuals = (each(fit.states, kept.sigma_left) for each in (test.shared, test.residuals))
+    curvature, _ = shared.normal([each.J for each in answers], residuals)
+    usual = np.zeros(len(numbers.y))
+    usual[: numbers.of_materials] = np.tile(np.isin(problem.basis.names, list(AREA)) * USUAL, fit.field.count)
+    going = np.flatnonzero(numbers.y > numbers.lowest)
+    half = np.linalg.cholesky((curvature + numbers.held.toarray() + np.diag(usual))[np.ix_(going, going)])
+    drawn = [np.linalg.solve(half.T, random.normal(size=len(going))) for _ in range(count)]
+    far = int(np.argmax([np.abs(d).max() for d in drawn]))
+
+    def at(n, near):
+        y = numbers.y.copy()
+        y[going] += near * drawn[n]
+        return fit.field.at(np.maximum(y, numbers.lowest), numbers.moves)
+
+    near = compared.near_enough(functools.partial(at, far), len(going))
+    fields = [at(n, near) for n in range(count)]
+    return OpenLaw("J", problem.basis, _of_cells(fields, range(len(problem.basis.names))), gain)
+
+
+class _Compared:
+    """Fields of a law, compared with a candidate in the largest step of every load case, where laws differ most."""
+
+    def __init__(self, problem: FieldProblem, kept: Candidate):
+        loading, self._sigma = kept.problem.observations.loading, kept.sigma_left
+        cases = [np.flatnonzero(loading.load_case == case) for case in np.unique(loading.load_case)]
+        steps = [int(each[np.argmax(loading.t[each])]) for each in cases]
+        self._guesses = [kept.u[k] for k in steps]
+        self._test = SeenTest(kept.problem, steps, kept.fit.window)
+        self.own = self.cost(kept.fit.field)
+        self._test = SeenTest(problem, steps, kept.fit.window)
+
+    def cost(self, field: Interfaces) -> float:
+        """Half of the squared residuals; infinite without equilibrium."""
+        if (states := self._test.states(field, self._guesses)) is None:
+            return np.inf
+        test, sigma = self._test, self._sigma
+        return 0.5 * test.shared(states, sigma).squared(test.residuals(states, sigma))
+
+    def near_enough(self, field: Callable[[float], Interfaces], numbers: int) -> float:
+        """How near its best fit a sample explains the test within what chance allows.
+
+        A linear model of large changes is as wrong, and its samples are brought nearer by half.
+
+        Args:
+            field: the sample, by its distance over that of the draw.
+            numbers: how many numbers were drawn.
+        """
+        near = 1.0
+        for _ in range(HALVED):
+            if self.cost(field(near)) <= self.own + 0.5 * numbers + AS_WELL:
+                return near
+            near *= 0.5
+        return 0.0
+
+
+def _of_cells(fields: list[Interfaces], columns) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
+    """Parameters of the material at the centre of every cell."""
+    found = []
+    for field in fields:
+        cells = field.materials[:, columns][field.labels()].T
+        cells[0] += field.grid_factor()
+        found.append(cells)
+    return np.stack(found, axis=1)[:, :, None]

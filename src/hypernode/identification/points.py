@@ -30,7 +30,7 @@ class PointStress(NamedTuple):
 
 @functools.cache
 def _compiled(law: PointLaw):
-    """(stress and derivative by F, derivative by parameters) of one block."""
+    """(stress and derivative by F, derivative by parameters, stress) of one block."""
 
     def tangent(F, params):
         units = jnp.eye(4).reshape(4, 2, 2, 1)
@@ -42,7 +42,7 @@ def _compiled(law: PointLaw):
         _, along = jax.linearize(lambda params: law.stress(F, params), params)
         return jax.vmap(lambda unit: along(jnp.broadcast_to(unit, params.shape)))(units)
 
-    return jax.jit(tangent), jax.jit(by_params)
+    return jax.jit(tangent), jax.jit(by_params), jax.jit(law.stress)
 
 
 class Points:
@@ -54,17 +54,26 @@ class Points:
 
     def __init__(self, law: PointLaw):
         self.law = law
-        self._tangent, self._by_params = _compiled(law)
+        self._tangent, self._by_params, self._alone = _compiled(law)
 
     def stress(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """(P, its derivative by F) of :class:`PointStress`."""
         P, by_F = self._blocks(self._tangent, F, params)
         return P, np.moveaxis(by_F, 0, 2).reshape(2, 2, 2, 2, -1)
 
+    def stress_alone(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
+        """``P`` of :class:`PointStress`."""
+        (P,) = self._blocks(lambda *given: (self._alone(*given),), F, params)
+        return P
+
+    def by_parameters(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
+        """``by_params`` of :class:`PointStress`."""
+        (by_params,) = self._blocks(lambda *given: (self._by_params(*given),), F, params)
+        return np.moveaxis(by_params, 0, 2)
+
     def all(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]) -> PointStress:
         """Stress with both derivatives."""
-        (by_params,) = self._blocks(lambda *given: (self._by_params(*given),), F, params)
-        return PointStress(*self.stress(F, params), np.moveaxis(by_params, 0, 2))
+        return PointStress(*self.stress(F, params), self.by_parameters(F, params))
 
     @staticmethod
     def _blocks(function, F, params):

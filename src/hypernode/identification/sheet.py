@@ -76,6 +76,11 @@ class CellResponse:
     by_normal: np.ndarray
     by_factor: np.ndarray
 
+    @property
+    def by_materials(self):
+        """As :meth:`Sheet.by_materials` has it."""
+        return self.by_one, self.by_first, self.by_second
+
 
 class Sheet:
     """Bilinear cells of a mesh.
@@ -104,8 +109,7 @@ class Sheet:
 
     def response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials, with_parameters: bool = False):
         """(nodal forces (degree of freedom,), their tangent (sparse), :class:`CellResponse` or None)."""
-        H = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B)
-        F = H + np.eye(2)[:, :, None, None]
+        F = self._deformation(u)
         shape, flat = F.shape, F.reshape(2, 2, -1)
         quads, whole = shape[2], np.bincount(of.cell, minlength=shape[3]) == 0
         every = np.tile(of.materials[of.one].T, (1, quads))
@@ -129,6 +133,24 @@ class Sheet:
         data = np.bincount(self._place, K, len(self._pattern[0]))
         matrix = scipy.sparse.csc_matrix((data, *self._pattern), 2 * (self.mesh.nodes.size,))
         return np.bincount(self.mesh.dofs.ravel(), force.ravel(), self.mesh.nodes.size), matrix, cells
+
+    def by_materials(self, u: Float[np.ndarray, "node 2"], of: CellMaterials):
+        """Derivative of the nodal forces by materials: of uncut cells, of the first and second of pairs of layers.
+
+        See ``by_one``, ``by_first`` and ``by_second`` of :class:`CellResponse`.
+        """
+        F, whole = self._deformation(u), np.bincount(of.cell, minlength=len(self.mesh.cells)) == 0
+        quads = F.shape[2]
+        flat, every = F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads))
+        D = self.points.by_parameters(flat, every).reshape(2, 2, -1, quads, len(whole))
+        by_one = self._forces(D * whole * of.factor)
+        if not len(of.cell):
+            return by_one, *_no_pieces(D.shape[2])[:2]
+        return by_one, *self._of_pieces(of.layers(self.points, F[..., of.cell], True), of)[:2]
+
+    def _deformation(self, u) -> Float[np.ndarray, "2 2 quad cell"]:
+        H = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B)
+        return H + np.eye(2)[:, :, None, None]
 
     def _forces(self, P, cells=slice(None)):
         """Nodal forces (cell, 8, column) of stresses [i, J, column, quad, cell]."""

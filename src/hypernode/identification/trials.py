@@ -34,6 +34,7 @@ class Trials:
         self._problems: dict[tuple, FieldProblem] = {}
         self._tried: list[Candidate] = []
         self._reasons: dict[Candidate, str] = {}
+        self._promises: dict[Candidate, dict[str, float]] = {}
 
     def believe(self, measurement: xr.Dataset) -> None:
         """Go on with another noise or another window."""
@@ -60,7 +61,7 @@ class Trials:
 
     def with_terms(self, candidate: Candidate, terms: tuple[str, ...]) -> FieldProblem:
         """The problem of a candidate with another law; what is homogeneous stays as it was fitted."""
-        key = terms, candidate.subcells, "law"
+        key = terms, candidate.subcells, len(candidate.fit.steps)
         if key not in self._problems:
             law = dataclasses.replace(candidate.problem.basis, terms=terms)
             self._problems[key] = with_law(candidate.problem, law)
@@ -100,15 +101,15 @@ class Trials:
             # Lines that stay are numbers all the same.
             lines = start.fit.determined - start.fit.of_materials
             fit = dataclasses.replace(fit, determined=fit.of_materials + lines)
+        reached = {k: state[0] for k, state in zip(steps, fit.states, strict=True)}
+        found = Candidate(move, start, problem, fit, {**u, **reached})
         sought = f", window of {fit.window:.2f} points" if find_window else ""
         say(
             "constrained",
             self.name,
-            f"{move} ({law}): displacements missed by {fit.misfit:.3g}, forces by {fit.forces:.3g} of their noise, "
+            f"{move} ({law}): displacements missed by {found.missed:.3g}, forces by {fit.forces:.3g} of their noise, "
             f"{fit.determined:.0f} numbers{sought}",
         )
-        reached = {k: state[0] for k, state in zip(steps, fit.states, strict=True)}
-        found = Candidate(move, start, problem, fit, {**u, **reached})
         self._tried.append(found)
         return found
 
@@ -116,10 +117,15 @@ class Trials:
         """Go on with what was tried on a coarser grid."""
         self._tried = [*earlier._tried, *self._tried]
         self._reasons = earlier._reasons | self._reasons
+        self._promises = earlier._promises | self._promises
 
     def passed_over(self, candidate: Candidate, reason: str) -> None:
         """Why a candidate is not the answer."""
         self._reasons[candidate] = reason
+
+    def promised(self, candidate: Candidate, gains: dict[str, float]) -> None:
+        """By how much each term that may join a candidate promises to improve its score."""
+        self._promises[candidate] = gains
 
     def trace(self, independent: float) -> tuple[Trace, dict[Candidate | None, Trial | None]]:
         """(the record of all, the record of each).
@@ -129,7 +135,7 @@ class Trials:
         """
         trials: dict[Candidate | None, Trial | None] = {None: None}
         for each in self._tried:
-            trials[each] = each.trial(trials[each.start], independent)
+            trials[each] = each.trial(trials[each.start], independent, self._promises.get(each, {}))
         return Trace({trials[each]: self._reasons.get(each, "") for each in self._tried}), trials
 
 
