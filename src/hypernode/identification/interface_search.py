@@ -97,8 +97,10 @@ class Search:
                 alone = self._of_one(alone)
                 return alone, alone
             beside = parting.in_cells(parting.beside(one))
-            # Displacements of finite elements on the grid leave nothing between whole cells, unless noise hides it.
-            mosaic = None if problem.noisy else MosaicSearch(trials, self._steps).end(one, beside)
+            # Displacements of finite elements on the grid leave nothing between whole cells. Noise hides that, and so
+            # does a window.
+            hidden = problem.noisy or problem.observations.window > 0.0
+            mosaic = None if hidden else MosaicSearch(trials, self._steps).end(one, beside)
             if mosaic is not None and not mosaic.leaves_more_than_noise:
                 return mosaic, mosaic
             kept = self._parted(one, beside, parting)

@@ -51,7 +51,9 @@ class MosaicSearch:
             if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
-            found = self._settled(LawSearch(trials, self._steps, False, self._settled).end(found))
+            lawful = LawSearch(trials, self._steps, False, self._settled).end(found)
+            # Contours settle with every term that joins.
+            found = self._settled(found) if lawful is found else lawful
             if kept is not None:
                 gain = found.gain_over(kept)
                 better, worse = (found, kept) if gain > EVIDENCE else (kept, found)

@@ -6,7 +6,6 @@ contains no kept one: its materials take a few steps first.
 """
 
 import dataclasses
-import functools
 from collections.abc import Callable
 
 import numpy as np
@@ -22,14 +21,14 @@ from hypernode.identification.law_search import OF_THICKNESS, open_terms, transl
 from hypernode.identification.problem import FieldProblem, with_law
 from hypernode.identification.score_test import score_test
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.trials import largest_and_half
+from hypernode.identification.trials import largest_and_half, largest_steps
 from hypernode.mechanics.convex_basis import ConvexBasis
 
 #: Inverse variance of a coefficient without data: terms are about as strong as the neo-Hookean one at most.
 USUAL = 1.0
 #: Logarithm of the likelihood that such a law may lack and still be no worse: two standard deviations of one number.
 AS_WELL = 2.0
-#: How often samples may be brought nearer to the best by half.
+#: How often samples may be brought nearer by half.
 HALVED = 5
 #: Steps of materials of another volume: they begin near the kept ones.
 STEPS = 5
@@ -91,20 +90,19 @@ def _of_term(kept: Candidate, terms: tuple[str, ...], term: str, count: int, ran
     """
     score = score_test(kept, terms)
     joined, fields, gains = score.joined(term), [], []
-    test = _Compared(with_law(kept.problem, score.points.law), kept)
+    # Laws differ most in the largest step.
+    compared = _Compared(with_law(kept.problem, score.points.law), kept, largest_steps(kept.problem))
     for first, each in enumerate(joined):
-        x, gain = each.least(USUAL)
-        drawn = [each.least(USUAL, random.normal(size=len(x)))[0] - x for _ in range(first, count, len(joined))]
+        gains.append(each.least(USUAL)[1])
+        size = len(each.slope)
+        drawn = [each.least(USUAL, random.normal(size=size))[0] for _ in range(first, count, len(joined))]
         changes = [each.by_chance(random.normal(size=len(each.free))) for _ in drawn]
-        far = int(np.argmax([np.abs(d).max() for d in drawn]))
 
-        def at(n, near, each=each, x=x, drawn=drawn, changes=changes):
-            y, materials = each.at(x + near * drawn[n], near * changes[n])
+        def at(n, near, each=each, drawn=drawn, changes=changes):
+            y, materials = each.at(near * drawn[n], near * changes[n])
             return kept.fit.field.at(y, kept.fit.field.still).with_law(materials)
 
-        near = test.near_enough(functools.partial(at, far), len(each.free) + len(x))
-        fields += [at(n, near) for n in range(len(drawn))]
-        gains.append(gain)
+        fields += compared.near_enough(at, [float(x.max()) for x in drawn], len(each.free) + size)
     law = dataclasses.replace(kept.problem.basis, terms=(*kept.terms, term))
     return OpenLaw(term, law, _of_cells(fields, [*joined[0].kept, *joined[0].new]), max(gains))
 
@@ -113,9 +111,9 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     """A law of another volume; None where it explains the test worse."""
     terms = (*(term for term in kept.terms if term not in OF_THICKNESS), "J")
     problem = with_law(kept.problem, dataclasses.replace(kept.problem.basis, terms=terms))
-    compared = _Compared(problem, kept)
     begun = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem, AREA))
     steps = largest_and_half(problem)
+    compared = _Compared(problem, kept, steps)
     test = SeenTest(problem, steps, kept.fit.window)
     fit = InterfaceFit(test, move_lines=False).descend(begun, [kept.u[k] for k in steps], STEPS)
     if fit is None or (gain := compared.own - compared.cost(fit.field)) < -AS_WELL:
@@ -129,25 +127,21 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     going = np.flatnonzero(numbers.y > numbers.lowest)
     half = np.linalg.cholesky((curvature + numbers.held.toarray() + np.diag(usual))[np.ix_(going, going)])
     drawn = [np.linalg.solve(half.T, random.normal(size=len(going))) for _ in range(count)]
-    far = int(np.argmax([np.abs(d).max() for d in drawn]))
 
     def at(n, near):
         y = numbers.y.copy()
         y[going] += near * drawn[n]
         return fit.field.at(np.maximum(y, numbers.lowest), numbers.moves)
 
-    near = compared.near_enough(functools.partial(at, far), len(going))
-    fields = [at(n, near) for n in range(count)]
+    fields = compared.near_enough(at, [float(np.abs(each).max()) for each in drawn], len(going))
     return OpenLaw("J", problem.basis, _of_cells(fields, range(len(problem.basis.names))), gain)
 
 
 class _Compared:
-    """Fields of a law, compared with a candidate in the largest step of every load case, where laws differ most."""
+    """Fields of a law, compared with a candidate in some load steps."""
 
-    def __init__(self, problem: FieldProblem, kept: Candidate):
-        loading, self._sigma = kept.problem.observations.loading, kept.sigma_left
-        cases = [np.flatnonzero(loading.load_case == case) for case in np.unique(loading.load_case)]
-        steps = [int(each[np.argmax(loading.t[each])]) for each in cases]
+    def __init__(self, problem: FieldProblem, kept: Candidate, steps: list[int]):
+        self._sigma = kept.sigma_left
         self._guesses = [kept.u[k] for k in steps]
         self._test = SeenTest(kept.problem, steps, kept.fit.window)
         self.own = self.cost(kept.fit.field)
@@ -160,21 +154,25 @@ class _Compared:
         test, sigma = self._test, self._sigma
         return 0.5 * test.shared(states, sigma).squared(test.residuals(states, sigma))
 
-    def near_enough(self, field: Callable[[float], Interfaces], numbers: int) -> float:
-        """How near its best fit a sample explains the test within what chance allows.
+    def near_enough(self, at: Callable[[int, float], Interfaces], sizes: list[float], numbers: int) -> list[Interfaces]:
+        """Samples that explain the test within what chance allows.
 
-        A linear model of large changes is as wrong, and its samples are brought nearer by half.
+        A linear model of large changes is as wrong. Where the largest sample explains the test worse, every one that
+        does is brought nearer by half.
 
         Args:
-            field: the sample, by its distance over that of the draw.
+            at: number of a sample, and its size over that of the draw -> the sample.
+            sizes: of the draws.
             numbers: how many numbers were drawn.
         """
-        near = 1.0
-        for _ in range(HALVED):
-            if self.cost(field(near)) <= self.own + 0.5 * numbers + AS_WELL:
-                return near
-            near *= 0.5
-        return 0.0
+        allowed, largest = self.own + 0.5 * numbers + AS_WELL, int(np.argmax(sizes))
+        if self.cost(at(largest, 1.0)) <= allowed:
+            return [at(n, 1.0) for n in range(len(sizes))]
+        found = []
+        for n in range(len(sizes)):
+            nearer = (at(n, 0.5**halved) for halved in range(HALVED))
+            found.append(next((each for each in nearer if self.cost(each) <= allowed), at(n, 0.0)))
+        return found
 
 
 def _of_cells(fields: list[Interfaces], columns) -> Float[np.ndarray, "parameter posterior_sample part cell"]:

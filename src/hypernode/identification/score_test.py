@@ -19,15 +19,17 @@ from jaxtyping import Float
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.points import Points, PointStress
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import Sheet
-from hypernode.mechanics.convex_basis import PARAMETERS, ConvexBasis
+from hypernode.identification.term_points import UNITS, TermPoints
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS, ConvexBasis
 
 #: Terms that say more of another one.
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
-#: Doubled-angle vectors of fibres. Those between two of them are about as a family along each.
-UNITS = np.array([[np.cos(angle), np.sin(angle)] for angle in np.arange(4) * np.pi / 2.0])
+#: Parameters log(1 + .) of coefficients that are relative to the level.
+LOGARITHMIC = [name for term in ("I1_squared", "I2", "ogden") for name in PARAMETERS[term]]
+#: Level over the one before below which the linear model says nothing of it.
+LEAST_LEVEL = 0.1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,7 +39,8 @@ class Joined:
     No coefficient is negative. Those of fibres are the strengths of two families, on either side of a direction.
 
     Attributes:
-        materials: of the law with all terms, others than this one none (material, parameter).
+        law: with all terms.
+        materials: of that law, other terms than this one none (material, parameter).
         kept, new: which of its parameters are those of the law without the term, and which are the term's.
         into: the term's parameters by its coefficients.
         y: numbers of the field, those of its materials first.
@@ -47,6 +50,7 @@ class Joined:
         reduced, slope: curvature and gradient by the coefficients, where the numbers follow.
     """
 
+    law: ConvexBasis
     materials: Float[np.ndarray, "material parameter"]
     kept: list[int]
     new: list[int]
@@ -59,7 +63,7 @@ class Joined:
     slope: Float[np.ndarray, " coefficients"]
 
     def least(self, precision: float, pull: Float[np.ndarray, " coefficients"] | None = None):
-        """(coefficients of least cost, by how much the cost falls, a factor of their curvature).
+        """(coefficients of least cost, by how much the cost falls).
 
         Args:
             precision: inverse variance of a coefficient without data.
@@ -79,77 +83,33 @@ class Joined:
     def at(self, x: Float[np.ndarray, " coefficients"], change: Float[np.ndarray, " free"] | float = 0.0):
         """(numbers of the field, materials of the law with the term) at some coefficients.
 
+        The stress is linear in products of the level and what is relative to it. These follow the linear model, and not
+        their logarithms: a valley along which a term takes the place of another is straight in them.
+
         Args:
             change: of the numbers, beside what the coefficients make of them.
         """
-        y, materials = self.y.copy(), self.materials.copy()
-        y[self.free] += change - scipy.linalg.cho_solve(self.own, self.between @ x)
-        materials[:, self.kept] = y[: len(materials) * len(self.kept)].reshape(len(materials), -1)
+        moved = self.y.copy()
+        moved[self.free] += change - scipy.linalg.cho_solve(self.own, self.between @ x)
+        shape = len(self.materials), len(self.kept)
+        step = (moved - self.y)[: np.prod(shape)].reshape(shape)
+        grown = np.maximum(1.0 + step[:, [0]], LEAST_LEVEL)
+        materials, names = self.materials.copy(), np.array(self.law.names)
+        before = materials[:, self.kept]
+        materials[:, self.kept] = before + step
+        materials[:, self.kept[0]] = before[:, 0] + np.log(grown[:, 0])
         told = np.any(self.into, axis=1)
-        materials[:, np.array(self.new)[told]] = x.reshape(len(materials), -1) @ self.into[told].T
-        return y, materials
-
-
-class TermPoints:
-    """A law at points, with derivatives by the coefficients of terms that may join in place of those by its parameters.
-
-    The stress is linear in them, so that differences of stresses are their derivatives.
-
-    Args:
-        kept: the law without the terms.
-        terms: that may join.
-
-    Attributes:
-        law: with all of them.
-        none: its parameters where terms are none (parameter,).
-        columns: of each term, the derivatives by its coefficients; of fibres in several directions.
-    """
-
-    def __init__(self, kept: ConvexBasis, terms: Sequence[str]):
-        every = tuple(term for term in PARAMETERS if term in (*kept.terms, *terms))
-        self.law = dataclasses.replace(kept, terms=every)
-        names = self.law.names
-        self.none = np.where(np.isfinite(self.law.lowest), self.law.lowest, 0.0)
-        self.kept = kept
-        self._kept = [names.index(name) for name in kept.names]
-        self._points, self._every = Points(kept), Points(self.law)
-        self._begun: list[tuple[list[int], np.ndarray]] = []
-        self.columns: dict[str, list[int]] = {}
-        for term in terms:
-            of_term = [names.index(name) for name in PARAMETERS[term]]
-            self.none[of_term] = np.where(np.isfinite(self.law.lowest), self.none, self.law.start)[of_term]
-            if term == "fibre":
-                self.none[of_term[:2]] = 0.0
-                begun = [(of_term[:2], unit) for unit in UNITS]
-            else:
-                begun = [([k], self.law.start[[k]]) for k in of_term]
-            self.columns[term] = list(range(len(self._begun), len(self._begun) + len(begun)))
-            self._begun += begun
-
-    def among(self, params: Float[np.ndarray, "parameter ..."]) -> Float[np.ndarray, "parameter ..."]:
-        """Parameters of the law of all terms where these are none."""
-        found = np.empty((len(self.none), *params.shape[1:]))
-        found[...] = self.none.reshape(-1, *(1,) * (params.ndim - 1))
-        found[self._kept] = params
-        return found
-
-    def stress(self, F, params):
-        """As of :meth:`Points.stress`."""
-        return self._points.stress(F, params)
-
-    def by_parameters(self, F, params) -> Float[np.ndarray, "2 2 coefficient point"]:
-        """Derivative of the stress by all coefficients."""
-        without = self.among(params)
-        P, found = self._every.stress_alone(F, without), []
-        for columns, values in self._begun:
-            begun = without.copy()
-            begun[columns] = values[:, None]
-            found.append((self._every.stress_alone(F, begun) - P) / np.linalg.norm(values))
-        return np.stack(found, axis=2)
-
-    def all(self, F, params) -> PointStress:
-        """As of :meth:`Points.all`, by coefficients."""
-        return PointStress(*self.stress(F, params), self.by_parameters(F, params))
+        new = np.array(self.new)[told]
+        materials[:, new] = x.reshape(len(materials), -1) @ self.into[told].T / grown
+        for column in [*self.kept, *new]:
+            logarithmic = names[column] in LOGARITHMIC
+            if column in self.kept and (logarithmic or names[column] in FIBRE_VECTOR):
+                p, change_of_p = before[:, self.kept.index(column)], step[:, self.kept.index(column)]
+                c, slope = (np.expm1(p), np.exp(p)) if logarithmic else (p, 1.0)
+                materials[:, column] = (c + slope * change_of_p + c * step[:, 0]) / grown[:, 0]
+            if logarithmic:
+                materials[:, column] = np.log1p(np.maximum(materials[:, column], 0.0))
+        return moved, materials
 
 
 class ScoreTest:
@@ -166,12 +126,8 @@ class ScoreTest:
     """
 
     def __init__(self, test: SeenTest, field: Interfaces, states, sigma: float, terms: Sequence[str]):
-        self.points, self.sigma, self._field, problem = (
-            TermPoints(test.problem.basis, terms),
-            sigma,
-            field,
-            test.problem,
-        )
+        problem = test.problem
+        self.points, self._field = TermPoints(problem.basis, terms), field
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         numbers = numbers_of(problem, field, field.still, None)
         self._known, self._y = len(numbers.y), numbers.y
@@ -204,6 +160,7 @@ class ScoreTest:
         between = self._curvature[np.ix_(self._free, theirs)]
         follow = scipy.linalg.cho_solve(own, between)
         return Joined(
+            law,
             self.points.among(materials.T).T,
             [law.names.index(name) for name in self.points.kept.names],
             [law.names.index(name) for name in PARAMETERS[term]],

@@ -139,11 +139,17 @@ class Trials:
         return Trace({trials[each]: self._reasons.get(each, "") for each in self._tried}), trials
 
 
+def largest_steps(problem: FieldProblem) -> list[int]:
+    """The largest load step of every load case."""
+    loading = problem.observations.loading
+    each = (np.flatnonzero(loading.load_case == case) for case in np.unique(loading.load_case))
+    return [int(own[np.argmax(loading.t[own])]) for own in each]
+
+
 def largest_and_half(problem: FieldProblem) -> list[int]:
     """Two load steps of every load case: the largest, and the one that is closest to half of it."""
     loading, found = problem.observations.loading, set()
-    for case in np.unique(loading.load_case):
-        own = np.flatnonzero(loading.load_case == case)
-        largest = own[np.argmax(loading.t[own])]
-        found |= {int(largest), int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
+    for largest in largest_steps(problem):
+        own = np.flatnonzero(loading.load_case == loading.load_case[largest])
+        found |= {largest, int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
     return sorted(found)
