@@ -146,6 +146,14 @@ def test_a_field_of_another_noise_than_was_believed_warns_though_it_explains_the
     assert level(judged(measurement, field, displacement_misfit=2.1), "displacements") is Level.FAILED
 
 
+@pytest.mark.parametrize("kind", [{"materials": 2}, {"materials": 0, "gradual": "true"}])
+def test_a_field_of_few_numbers_cannot_fit_noise_so_that_less_of_it_is_no_warning(measurement, kind):
+    for factor, wanted in ((0.5, Level.PASSED), (1.5, Level.WARNED)):
+        field = constrained().assign_attrs(BelievedNoise(factor=factor).stored()).assign_attrs(kind)
+        found = criterion(judged(measurement, field), "displacements")
+        assert found.level is wanted and f"{factor} times the assumed one" in found.sentence
+
+
 def test_steps_that_are_left_out_are_predicted_or_the_worse_of_displacements_and_forces_says_by_how_much_not(
     measurement,
 ):
@@ -333,5 +341,13 @@ def test_few_materials_that_explain_a_sheet_follow_the_forces_where_no_single_on
     assert level(judged(measurement, heterogeneous), "law") is Level.WARNED
     of_few = heterogeneous.assign_attrs(materials=2)
     assert level(judged(measurement, of_few), "law") is Level.PASSED
+    gradual = heterogeneous.assign_attrs(materials=0, gradual="true")
+    assert level(judged(measurement, gradual), "law") is Level.PASSED
     assert level(judged(measurement, of_few, edge_force_error_identified=0.025), "law") is Level.WARNED
     assert level(judged(measurement, of_few, displacement_misfit=1.4, unexplained_share=1.5), "law") is Level.WARNED
+
+
+def test_no_law_is_blamed_for_less_than_forces_are_uncertain_by(clean):
+    for uncertainty, wanted in ((0.01, Level.WARNED), (0.03, Level.PASSED)):
+        uncertain = believed(clean, NOISE).assign_attrs(force_uncertainty=uncertainty)
+        assert level(judged(uncertain, constrained(law=(0.02, 0.003))), "law") is wanted
