@@ -8,7 +8,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.score_test import BELONGS, Joined, score_test
+from hypernode.identification.score_test import BELONGS, Joined, price, score_test
 from hypernode.identification.trials import NEAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
@@ -46,7 +46,8 @@ class LawSearch:
         terms of the other may be better still than the one: that is tried as well, where it promises to be.
         """
         while not kept.leaves_nothing:
-            tried = self._next(kept, 0.0)
+            # Near noise the linear model is exact.
+            tried = self._next(kept, 0.0 if kept.leaves_more_than_noise else EVIDENCE)
             best = self._best(kept, tried)
             if best is kept:
                 break
@@ -85,7 +86,8 @@ class LawSearch:
     def plainer(self, kept: Candidate) -> Candidate:
         """The law without the terms that paid last, as long as they gain less than evidence asks for.
 
-        On coarse elements a term may pay for what elements miss.
+        On coarse elements a term may pay for what elements miss. What lines would make of another law is not known to
+        first order, so that a descent decides.
         """
         trials = self._trials
         while kept.terms and kept.terms[-1] != "J":
@@ -152,11 +154,10 @@ def open_terms(kept: Sequence[str], settings: Constrained) -> tuple[str, ...]:
 
 def _promise(joined: list[Joined], kept: Candidate) -> tuple[float, int]:
     """(by how much a term promises to improve the score, number of the direction from which fibres go)."""
-    independent, ridge, promised = kept.fit.left.independent, kept.problem.strategy.ridge, []
+    ridge, promised = kept.problem.strategy.ridge, []
     for number, each in enumerate(joined):
         x, gain = each.least(ridge)
-        # As the score counts parameters of terms and numbers that the data determine.
-        cost = 0.5 * len(each.new) * float(np.log(max(independent, 2.0))) + np.count_nonzero(x)
+        cost = price(kept, len(each.new), np.count_nonzero(x))
         stronger = int(np.argmax(x.reshape(kept.fit.field.count, -1).sum(axis=0)))
         promised.append((gain - cost, (number + stronger) % len(joined)))
     return max(promised)

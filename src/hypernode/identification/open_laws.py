@@ -157,8 +157,8 @@ class _Compared:
     def near_enough(self, at: Callable[[int, float], Interfaces], sizes: list[float], numbers: int) -> list[Interfaces]:
         """Samples that explain the test within what chance allows.
 
-        A linear model of large changes is as wrong. Where the largest sample explains the test worse, every one that
-        does is brought nearer by half.
+        A linear model of large changes is as wrong. The largest sample is brought nearer by half until it explains the
+        test, and no other one is larger.
 
         Args:
             at: number of a sample, and its size over that of the draw -> the sample.
@@ -166,13 +166,10 @@ class _Compared:
             numbers: how many numbers were drawn.
         """
         allowed, largest = self.own + 0.5 * numbers + AS_WELL, int(np.argmax(sizes))
-        if self.cost(at(largest, 1.0)) <= allowed:
-            return [at(n, 1.0) for n in range(len(sizes))]
-        found = []
-        for n in range(len(sizes)):
-            nearer = (at(n, 0.5**halved) for halved in range(HALVED))
-            found.append(next((each for each in nearer if self.cost(each) <= allowed), at(n, 0.0)))
-        return found
+        nearer = (0.5**halved for halved in range(HALVED))
+        near = next((each for each in nearer if self.cost(at(largest, each)) <= allowed), 0.0)
+        most = near * sizes[largest]
+        return [at(n, 1.0 if size <= most else most / size) for n, size in enumerate(sizes)]
 
 
 def _of_cells(fields: list[Interfaces], columns) -> Float[np.ndarray, "parameter posterior_sample part cell"]:

@@ -179,3 +179,8 @@ def score_test(kept: Candidate, terms: tuple[str, ...]) -> ScoreTest:
     """Terms that may join the law of a candidate, with what it leaves of displacements as their noise."""
     test = SeenTest(kept.problem, kept.fit.steps, kept.fit.window, kept.fit.edges)
     return ScoreTest(test, kept.fit.field, kept.fit.states, kept.sigma_left, terms)
+
+
+def price(kept: Candidate, parameters: int, numbers: int) -> float:
+    """What the score asks for parameters of a term, and for numbers that the data determine."""
+    return 0.5 * parameters * float(np.log(max(kept.fit.left.independent, 2.0))) + numbers
