@@ -23,7 +23,7 @@ REACH = 1.3
 MEASURED, SETTLED = (2, 5), 6
 #: Regions of fewer nodes than a cell's are none.
 FEWEST = 4
-#: What a step gains that ends a descent, and the same over the cost.
+#: What a step gains that ends a descent, and the same over the cost, or over that of noise where this is more.
 GAIN, RELATIVE_GAIN = 0.5, 1e-3
 #: Share of what a step promises that it must gain, so that the next one may be made of the same derivatives.
 TRUSTED = 0.7
@@ -118,7 +118,8 @@ class InterfaceFit:
             history.append(test.left(states))
             fresh = self._model is None and not self._damping
             moved, before, gained = self._step(field, states, sigma)
-            small = gained < max(GAIN, RELATIVE_GAIN * before)
+            # What is gained far below noise is nothing.
+            small = gained < max(GAIN, RELATIVE_GAIN * max(before, 0.5 * test.observed))
             if moved is not None:
                 field, states = moved
             if not fresh and (moved is None or small):

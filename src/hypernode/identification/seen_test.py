@@ -82,6 +82,11 @@ class SeenTest:
         self.step = grid_step(observations.grid)
         self.see_through(observations.window / self.step if window is None else window)
 
+    @property
+    def observed(self) -> int:
+        """How many displacements are observed."""
+        return sum(len(boundary.seen) for boundary in self.boundaries)
+
     # Windows.
 
     def see_through(self, window: float) -> None:
