@@ -76,7 +76,7 @@ def grown_at_rest(test: SpecimenTest, series: Series, pulls: Mapping[Component, 
     share = np.full(len(numbers), np.inf)
     share[reached] = np.max(shares, axis=0)
     largest = max(np.nanmax(mean_gradient(series, i, J)[reached], initial=0.0) for i, J in RESULTANTS[test.load])
-    for at in np.flatnonzero(share < 1.0):
+    for at in np.flatnonzero(share < 1.0) if largest > 0.0 else ():
         growth = _one([_growth(*each) for axis in (0, 1) for each in _sides(series, at, axis)])
         if growth is not None and growth > _MATTERS * largest and share[at] < _CARRIES * growth / largest:
             return (

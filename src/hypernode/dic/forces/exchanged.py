@@ -50,10 +50,11 @@ def exchanged_forces(
     why = _exchanged(strain[known], force[known], np.array(sides[::-1]))
     if not why:
         return ""
-    x, y = next(iter(pulls.values())).record.channels
+    names = next(iter(pulls.values())).record.channels
+    said, other = ({"x": x, "y": y} for x, y in (names, names[::-1]))
     return (
-        f"{why}: are they exchanged, --set 'force_channel={{x: {y}, y: {x}}}', or does the sheet have fibres, and "
-        f"--set 'force_channel={{x: {x}, y: {y}}}' is right?"
+        f'{why}: are they exchanged, --set "force_channel={other}", or does the sheet have fibres, and --set '
+        f'"force_channel={said}" is right?'
     )
 
 
