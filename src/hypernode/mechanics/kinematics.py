@@ -71,7 +71,7 @@ def stretch_powers(I: Invariants) -> dict[str, tuple]:
     }
 
 
-def in_plane_trace(I: Invariants) -> Float[Array, "..."]:
+def in_plane_trace(I: Invariants) -> Float[ArrayLike, "..."]:
     """tr C of the in-plane C: what I1 is without the thickness of an incompressible sheet."""
     return I.I1 - 1.0 / I.J**2
 
