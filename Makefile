@@ -75,9 +75,11 @@ unit: $(VENV)/dev
 
 # Shapes and types of arguments and results, as their annotations promise them, at every call of tests.
 TYPED := hypernode.mechanics,hypernode.material,hypernode.fem,hypernode.identification
+CHECKED := deflated_cg errors force_course interfaces laminates left_out local_misfit observations partition projected_newton \
+    regulariser terms
 types: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" --jaxtyping-packages=$(TYPED),beartype.beartype \
-	    tests/mechanics tests/material tests/fem tests/identification
+	    tests/mechanics tests/material tests/fem $(CHECKED:%=tests/identification/test_%.py)
 
 # Laws that take whole identifications.
 laws: $(VENV)/dev
