@@ -12,7 +12,7 @@ else
 unexport PYTHONPATH
 endif
 
-.PHONY: all help example resume verdict test lint unit laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
+.PHONY: all help example resume verdict test lint unit types laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
     slurm wheel pythons docs doctest release report bench profile next-test strangers family extremes challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
@@ -72,6 +72,14 @@ lint: $(VENV)/dev
 
 unit: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" tests --ignore tests/workflow
+
+# Shapes and types of arguments and results, as their annotations promise them, at every call of tests.
+TYPED := hypernode.mechanics,hypernode.material,hypernode.fem,hypernode.identification
+CHECKED := deflated_cg errors force_course interfaces laminates left_out local_misfit observations partition projected_newton \
+    regulariser terms
+types: $(VENV)/dev
+	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" --jaxtyping-packages=$(TYPED),beartype.beartype \
+	    tests/mechanics tests/material tests/fem $(CHECKED:%=tests/identification/test_%.py)
 
 # Laws that take whole identifications.
 laws: $(VENV)/dev

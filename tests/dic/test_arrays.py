@@ -229,3 +229,11 @@ def test_one_frame_a_file_on_the_lines_of_a_square_grid_is_read(tmp_path):
         np.savez(tmp_path / f"frame_{number}.npz", x=x, y=x, u=0.01 * number * X, v=0.02 * number * Y)
     arrays = arrays_in(tmp_path / "frame_1.npz")
     assert arrays["x y"].shape == (13, 13, 2)
+
+
+def test_a_matlab_file_that_begins_with_zeros_is_refused_as_such(tmp_path):
+    path = tmp_path / "pull.mat"
+    scipy.io.savemat(path, images())
+    path.write_bytes(bytes(40) + path.read_bytes()[40:])
+    with pytest.raises(DicError, match=r"pull\.mat: cannot be read as arrays: .*corrupt"):
+        arrays_in(path)

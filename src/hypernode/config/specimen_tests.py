@@ -185,9 +185,11 @@ class SpecimenTest(Section):
     """Whether to tell from the record which share of the force is a matter of time, and identify without it."""
     camera_motion: bool = True
     """Whether to take out what the camera moved and turned between the frames, as far as the held edges show it."""
+    camera_growth: Union[float, Literal["ends"], None] = None
+    """By which share pictures after the first are larger, as those of a sheet nearer to the camera, which is taken out;
+    `ends`: as both ends that are held across get longer. Left out, 0, and a growth that frames show is asked about."""
     grid_offset: tuple[float, float] | None = None
-    """Where the lower left corner of the measured field lies, from that of the first test [mm]; left out, where the
-    centres of both fields are one point of the sheet."""
+    """Lower left corner of the field, from that of the first test [mm]; left out, their centres are one point."""
     frames: list[Count] | None = None
     """Numbers of the frames that become load steps."""
     stretches: list[Annotated[float, Field(gt=1)]] | None = None

@@ -68,11 +68,18 @@ def _arrays_in(path: Path) -> dict[str, np.ndarray]:
             start = handle.read(520)
         if _HDF5 in (start[:8], start[512:520]):
             return _of_hdf5(path)
-        import scipy.io
-
-        return _by_names(_of_structures(scipy.io.loadmat(path)))
+        return _of_matlab(path)
     except _BROKEN as error:
         raise DicError(f"{path}: cannot be read as arrays: {error}") from None
+
+
+def _of_matlab(path: Path) -> dict[str, np.ndarray]:
+    import scipy.io
+
+    try:
+        return _by_names(_of_structures(scipy.io.loadmat(path)))
+    except scipy.io.matlab.MatReadError as error:
+        raise ValueError(str(error)) from None
 
 
 def _of_structures(values: Mapping[str, object], at: str = "", depth: int = 3) -> dict[str, np.ndarray]:

@@ -108,13 +108,13 @@ def _direction(line: Float[np.ndarray, "point 2"], normal: int) -> tuple[float, 
     off = (across - slope * along) * np.cos(angle)
     length = along @ along / np.cos(angle) ** 2
     rounding = np.finfo(float).eps * np.abs(line[measured]).max()
-    repeats = min(_repeats(off), len(off) / _INDEPENDENT)
+    repeats = min(repeats_of(off), len(off) / _INDEPENDENT)
     # The line takes up two of the independent values.
     variance = max(off @ off / (len(off) - 2.0 * repeats), rounding**2) * repeats / length
     return float(angle if normal == 1 else -angle), float(variance)
 
 
-def _repeats(off: Float[np.ndarray, " point"]) -> float:
+def repeats_of(off: Float[np.ndarray, " point"]) -> float:
     """How many points in a row say the same, from the correlation r of neighbours: (1 + r) / (1 - r).
 
     Sums of an autoregressive series scatter by that more than those of independent values (Priestley, Spectral Analysis

@@ -8,8 +8,11 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.config.specimens import Specimen
+from hypernode.dic.camera_growth import grown_at_rest, grown_ends, without_growth
 from hypernode.dic.camera_motion import camera_motion, without
-from hypernode.dic.forces.importing import hear_forces, import_forces
+from hypernode.dic.forces.checks import Finding
+from hypernode.dic.forces.exchanged import exchanged_forces
+from hypernode.dic.forces.importing import Heard, hear_forces, import_forces
 from hypernode.dic.forces.matching import Component
 from hypernode.dic.frame_clock import frame_clock, times_contradicted
 from hypernode.dic.frames import mean_stretch, select_frames, several_loadings, trimmed
@@ -19,7 +22,7 @@ from hypernode.dic.noise.steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
 from hypernode.dic.relaxing import relaxation_of
 from hypernode.dic.series import Series
-from hypernode.mechanics.loads import CONSTRAINED
+from hypernode.mechanics.loads import CONSTRAINED, tensile_axis
 from hypernode.mechanics.relaxation import ELASTIC, Relaxation
 from hypernode.progress import say
 
@@ -73,7 +76,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    full = full or read_test(test)
+    full = without_growth(test, full or read_test(test))
     series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
     clock = frame_clock(test, series)
     times = clock and {frame.number: float(clock.at(frame.number)) for frame in series.frames}
@@ -81,11 +84,13 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
     numbers = select_frames(test, series, times, heard.unheard if heard else {})
     case = _without_force(test, full, series, angles, numbers)
     case = replace(case, time=np.array([times[n] if times else np.nan for n in numbers]))
-    strange = _strange_frames(test, series, numbers)
+    strange = _strange_frames(specimen, test, series, numbers) + _warned(test, grown_ends(test, full))
     if heard is None:
         say("import", test.folder, "no force is recorded: every stress is known up to one factor")
         return replace(case, findings=(*case.findings, *strange))
-    found = import_forces(test, (specimen.width, specimen.height), specimen.thickness, series, heard, numbers)
+    sides = specimen.width, specimen.height
+    heard = _questioned(test, full, series, heard, sides)
+    found = import_forces(test, sides, specimen.thickness, series, heard, numbers)
     used = [series.frames[0]] + [frame for frame in series.frames if frame.number in numbers]
     return replace(
         case,
@@ -96,6 +101,15 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
         findings=(*case.findings, *strange, *found.findings),
     )
+
+
+def _questioned(test: SpecimenTest, full: Series, series: Series, heard: Heard, sides: tuple[float, float]) -> Heard:
+    """The record with what frames and forces together ask."""
+    questions = [
+        Finding(grown_at_rest(test, full, heard.pulls), refused=False, explains=True),
+        Finding(exchanged_forces(test, series, heard.pulls, sides), refused=False),
+    ]
+    return replace(heard, findings=[*heard.findings, *(each for each in questions if each.sentence)])
 
 
 def load_case_of(
@@ -110,6 +124,7 @@ def load_case_of(
     Raises:
         DicError: the frames cannot be used.
     """
+    full = without_growth(test, full)
     series, angles = _from_where_the_camera_was(test, trimmed(full, specimen.dropped_rings))
     numbers = np.array([frame.number for frame in series.frames[1:]])
     return replace(_without_force(test, full, series, angles, numbers), force=force)
@@ -142,16 +157,23 @@ def _without_force(
     )
 
 
-def _strange_frames(test: SpecimenTest, series: Series, numbers) -> tuple[str, ...]:
+def _strange_frames(specimen: Specimen, test: SpecimenTest, series: Series, numbers) -> tuple[str, ...]:
     """Warnings: times that the files say otherwise than the configuration, several loadings, units, increments."""
+    axis = tensile_axis(test.load)
+    side = None if axis is None else (specimen.width, specimen.height)[axis]
     # Frames that are chosen need not grow from a first small one.
     told = test.increments or test.force_file is not None or test.frames is not None
-    sentences = [
+    return _warned(
+        test,
         times_contradicted(test, series),
         several_loadings(test, series, numbers),
-        unlike_positions(test, series),
+        unlike_positions(test, series, side),
         "" if told else said_without_force(mean_stretch(series, test.load) - 1.0),
-    ]
+    )
+
+
+def _warned(test: SpecimenTest, *sentences: str) -> tuple[str, ...]:
+    """Those sentences that are not empty, once they are said."""
     found = tuple(filter(None, sentences))
     for sentence in found:
         say("import", test.folder, f"warning: {sentence}")

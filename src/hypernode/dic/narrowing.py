@@ -1,5 +1,6 @@
 """Whether displacements are in the unit of the positions: a sheet that is pulled narrows by less and less."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,10 @@ _DEVIATIONS = 4.0
 _BEND = 3e-4
 #: Elongation from which a curve without a bend is none of a sheet.
 _LONG = 0.5
+#: The same strains of right sheets: notched ones have the least, held ones with stiff inclusions the largest.
+_SHEETS = (0.4, 1.6)
+#: What counts as less than these where it is that of per cent of a side, and the elongation from which it tells.
+_STRAIGHT, _TOLD = 0.35, 0.3
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,23 @@ class Scale:
         if least > _TOO_SMALL:
             return self.bend > _BEND
         return least > 0.0 and most < _TOO_LARGE and self.elongation > _LONG
+
+    def is_of(self, factor: float) -> bool:
+        """Whether this is the curve of displacements that have to be multiplied by a factor, and of no right ones."""
+        error = _DEVIATIONS * self.uncertainty
+        if not _SHEETS[0] < self.factor / factor < _SHEETS[1]:
+            return False
+        if factor > 1.0:
+            return self.factor - error > 2.0 * _SHEETS[1] and self.bend > _BEND
+        return self.factor + error < _STRAIGHT and self.elongation > _TOLD
+
+
+def share_of(side: float | None, is_factor: Callable[[float], bool]) -> tuple[float, str] | None:
+    """(factor, words) of displacements that are shares or per cent of a side [mm]; None where it is neither."""
+    for factor, what in () if side is None else ((side / 100.0, "per cent"), (side, "shares")):
+        if is_factor(factor):
+            return float(f"{factor:.4g}"), f"{what} of the {side:.4g} mm of the sheet"
+    return None
 
 
 def scale_of(elongation: Float[np.ndarray, " frame"], narrowing: Float[np.ndarray, " frame"]) -> Scale | None:
@@ -106,10 +128,15 @@ def narrowing_of(series: Series, axis: int) -> tuple[Float[np.ndarray, " frame"]
     return mean_gradient(series, axis, axis), np.array(narrowing)
 
 
-def unlike_positions(test: SpecimenTest, series: Series) -> str:
+def unlike_positions(test: SpecimenTest, series: Series, side: float | None = None) -> str:
     """A sentence where displacements seem to be in another unit than positions; empty where they do not.
 
     A sheet that is pulled along one axis tells it, and none that is held or pulled across.
+
+    Args:
+        test: with its load.
+        series: the frames.
+        side: length of the sheet along the pull [mm], of which displacements may be shares or per cent.
     """
     axis = tensile_axis(test.load)
     if axis is None or test.displacement_factor is not None:
@@ -118,12 +145,17 @@ def unlike_positions(test: SpecimenTest, series: Series) -> str:
     numbers, _ = first_loading(series, 1.0 + elongation)
     pulled = np.isin([frame.number for frame in series.frames], numbers)
     scale = scale_of(elongation[pulled], narrowing[pulled])
-    if scale is None or not scale.wrong:
+    share = None if scale is None else share_of(side if series.unit == "mm" else None, scale.is_of)
+    if scale is None or not (scale.wrong or share):
         return ""
-    factor = 10.0 ** np.round(np.log10(scale.factor))
+    ways = [share] if share else []
+    power = 10.0 ** np.round(np.log10(scale.factor))
+    if scale.wrong and power != 1.0:
+        ways.insert(0, (power, "another unit than positions"))
+    told = "; or in ".join(f"{unit}, --set displacement_factor={factor:g} multiplies them" for factor, unit in ways)
     way = "bends as it does" if scale.factor > 1.0 else "is as straight"
     return (
         f"the sheet seems to be pulled to a strain of {scale.elongation:.3g}, and its narrowing {way} in one that is "
-        f"pulled {scale.factor:.2g} times as far: displacements may be in another unit than positions. --set "
-        f"displacement_factor={factor:g} multiplies them; --set displacement_factor=1 says that they are right"
+        f"pulled {scale.factor:.2g} times as far: displacements may be in {told}; --set displacement_factor=1 says "
+        "that they are right"
     )

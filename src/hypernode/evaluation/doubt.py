@@ -29,7 +29,7 @@ REACHES = (0.5, 1.0, 1.5)
 SAYS_LITTLE = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Doubt:
     """Of one mode at one stretch; all numbers are relative to the size of the stress.
 
@@ -98,7 +98,18 @@ def doubts(
             networks = 0.0 if learnt is None else _rms(probe.read(learnt, X), best) / size
             spread = _rms(probe.read(samples, X, count), best) / size
             inside = domain is None or bool(domain.inside(probe.F[probe.reached]).all())
-            found.append(Doubt(mode, stretch, reach, inside, spread, rms, networks, level))
+            found.append(
+                Doubt(
+                    mode=mode,
+                    stretch=stretch,
+                    reach=reach,
+                    inside=inside,
+                    spread=spread,
+                    by_law=rms,
+                    networks=networks,
+                    level=level,
+                )
+            )
     return found
 
 

@@ -32,7 +32,7 @@ LOOKED_FOR = 0.1
 NEAR_LINE = 1.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Evidence:
     """What suspects are told from.
 
@@ -67,12 +67,12 @@ def evidence_of(
         measurement, constrained: opened files; no constrained field where the method has none.
     """
     return Evidence(
-        None if constrained is None else _pattern(measurement, constrained, variables),
-        tuple(channels(measurement, variables["edge_force_at_identified"])),
-        budget,
-        float(summary.get("displacement_misfit", 1.0)),
-        summary.get("left_out_displacement_misfit"),
-        _slope(mesh_of(measurement), variables) if summary.get("phases_found") == 1 else None,
+        pattern=None if constrained is None else _pattern(measurement, constrained, variables),
+        channels=tuple(channels(measurement, variables["edge_force_at_identified"])),
+        budget=budget,
+        too_noisy=float(summary.get("displacement_misfit", 1.0)),
+        predicted=summary.get("left_out_displacement_misfit"),
+        slope=_slope(mesh_of(measurement), variables) if summary.get("phases_found") == 1 else None,
     )
 
 

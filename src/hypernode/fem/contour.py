@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import scipy.ndimage
 import scipy.sparse
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, ArrayLike, Float, Int
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
@@ -26,7 +26,7 @@ NOTHING = 1e-6
 POINTS = 12
 
 
-def cut(distance: Float[Array, " 4"]) -> Float[Array, "3"]:
+def cut(distance: Float[ArrayLike, " 4"]) -> Float[Array, "3"]:
     """(share of a square where the distance is positive, unit normal towards there), of the distances at its corners.
 
     Args:
@@ -49,7 +49,7 @@ def cut(distance: Float[Array, " 4"]) -> Float[Array, "3"]:
     return jnp.concatenate([jnp.where(depth > 0.5 * reach, 1.0 - share, share)[None], normal])
 
 
-def _in_sheet(corners: Float[Array, " 4"], sides: Float[Array, " 2"]) -> Float[Array, "3"]:
+def _in_sheet(corners: Float[ArrayLike, " 4"], sides: Float[ArrayLike, " 2"]) -> Float[Array, "3"]:
     """As :func:`cut`, with the normal in the sheet, where cells have these sides."""
     found = cut(corners)
     normal = found[1:] / sides

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 from jax.experimental.sparse import BCOO
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from hypernode.fem.block_cholesky import BlockCholesky
 from hypernode.fem.mesh import EDGES, Mesh
@@ -61,7 +61,7 @@ def _lines(mesh: Mesh, T, edge: str | None) -> Int[np.ndarray, " test"]:
 
 
 @jax.custom_vjp
-def _energies(R: Float[Array, "test step"], energy: BlockCholesky) -> Float[Array, " step"]:
+def _energies(R: Float[ArrayLike, "test step"], energy: BlockCholesky) -> Float[Array, " step"]:
     """R K^-1 R of each column, differentiated by R alone; the solve is what costs, and one serves both."""
     return _energies_and_field(R, energy)[0]
 
@@ -125,7 +125,10 @@ class EquilibriumGap:
         return cls(tuple(work), tuple(loads), tuple(energies), float(mesh.areas.sum()))
 
     def squared(
-        self, P: Float[Array, "2 2 step cell"], resultant: Float[Array, "step 2"], scale: Float[Array, " step"]
+        self,
+        P: Float[ArrayLike, "2 2 step cell"],
+        resultant: Float[ArrayLike, "step 2"],
+        scale: Float[ArrayLike, " step"],
     ) -> Float[Array, " step"]:
         """The squared gap of every step.
 

@@ -13,7 +13,7 @@ from hypernode.fem.refinement import Refinement
 ROUNDING = 1e-9
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Boundary:
     """Prescribed, free and observed degrees of freedom of one load step.
 
@@ -60,15 +60,15 @@ def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, relati
     # A node between two that are prescribed is prescribed as well.
     mask = between @ mask > 1.0 - ROUNDING
     return Boundary(
-        mask,
-        between @ edges.values,
-        both @ scipy.sparse.csr_matrix(edges.errors),
-        np.flatnonzero(mask.ravel()),
-        np.flatnonzero(~mask.ravel()),
-        observed,
-        scipy.sparse.diags(1.0 / relative) @ seen[observed],
-        u.ravel()[observed] / relative,
-        relative,
+        mask=mask,
+        values=between @ edges.values,
+        errors=both @ scipy.sparse.csr_matrix(edges.errors),
+        prescribed=np.flatnonzero(mask.ravel()),
+        free=np.flatnonzero(~mask.ravel()),
+        observed=observed,
+        observe=scipy.sparse.diags(1.0 / relative) @ seen[observed],
+        seen=u.ravel()[observed] / relative,
+        relative=relative,
     )
 
 

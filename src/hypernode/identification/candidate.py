@@ -84,21 +84,21 @@ class Candidate:
     def leaves_more_than_noise(self) -> bool:
         """Whether displacements leave more than their noise by chance."""
         known = self.problem.observations.noise_uncertainty
-        return self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5)
+        return bool(self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5))
 
     @property
     def leaves_mostly_no_noise(self) -> bool:
         """Whether most of what displacements leave is no noise."""
-        return self.level > MOSTLY_NO_NOISE
+        return bool(self.level > MOSTLY_NO_NOISE)
 
     def halves(self, other: "Candidate") -> bool:
         """Whether it leaves less than half of the squares of another candidate, of which most were no noise."""
-        return other.leaves_mostly_no_noise and self.fit.misfit**2 < 0.5 * other.fit.misfit**2
+        return bool(other.leaves_mostly_no_noise and self.fit.misfit**2 < 0.5 * other.fit.misfit**2)
 
     @property
     def leaves_nothing(self) -> bool:
         """Whether equilibrium is solved no better than it explains displacements, and forces are missed by chance."""
-        return self.fit.misfit <= self.problem.solver_error and self.fit.forces <= 1.0
+        return bool(self.fit.misfit <= self.problem.solver_error and self.fit.forces <= 1.0)
 
     @property
     def misses_deformation(self) -> bool:

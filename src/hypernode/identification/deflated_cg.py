@@ -24,15 +24,17 @@ REDUNDANT = 1e-8
 REMEMBERED = 384 * 2**20
 #: Memory of what is copied of them at a time [bytes]: all of 50 x 50 cells.
 COPIED = 64 * 2**20
+#: Some vectors, each in its own array or as the rows of one.
+Vectors = Sequence[Float[np.ndarray, " n"]] | Float[np.ndarray, "vector n"]
 
 
-def _pieces(vectors: Sequence[Float[np.ndarray, " n"]]) -> Iterator[slice]:
+def _pieces(vectors: Vectors) -> Iterator[slice]:
     """Rows of the matrix of some vectors of which copies may be made at a time."""
     n, rows = len(vectors[0]), max(COPIED // (8 * len(vectors)), 1)
     return (slice(first, first + rows) for first in range(0, n, rows))
 
 
-def _columns(vectors: Sequence[Float[np.ndarray, " n"]], rows: slice = slice(None)) -> Float[np.ndarray, "row vector"]:
+def _columns(vectors: Vectors, rows: slice = slice(None)) -> Float[np.ndarray, "row vector"]:
     return np.stack([each[rows] for each in vectors], axis=1)
 
 

@@ -204,14 +204,14 @@ class Estimate:
     @property
     def overfitted(self) -> bool:
         """Whether the residual of noisy displacements is smaller than noise allows, so noise was fitted."""
-        return self.excess < -self.problem.strategy.never_so_little
+        return bool(self.excess < -self.problem.strategy.never_so_little)
 
     @property
     def underfitted(self) -> bool:
         """Whether the misfit is too large for any field of these terms to explain the test."""
         strategy = self.problem.strategy
         much = self.excess > strategy.never_by_chance if self.problem.noisy else self.data_share > strategy.much_left
-        return self.unexplained > 1.0 or much
+        return bool(self.unexplained > 1.0 or much)
 
     def without_sensitivities(self) -> "Estimate":
         """This estimate without its sensitivities, which take most of its memory."""

@@ -33,7 +33,7 @@ class Left:
     @property
     def alike(self) -> bool:
         """Whether the residuals of different steps agree too well to be noise."""
-        return self.steps > NOISE_SHARED
+        return bool(self.steps > NOISE_SHARED)
 
     @property
     def inflation(self) -> float:

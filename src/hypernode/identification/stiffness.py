@@ -50,7 +50,7 @@ class ByCell(NamedTuple):
 
     def halves(self, other: "ByCell") -> bool:
         """Whether these numbers leave less than half of the squares that others leave of the same steps."""
-        return self.misfit**2 < 0.5 * other.misfit**2
+        return bool(self.misfit**2 < 0.5 * other.misfit**2)
 
 
 class Shifted:

@@ -17,7 +17,7 @@ _RECORDS = {".tra", ".lvm", ".log", ".prn"}
 PICTURES = {".tif", ".tiff", ".jpg", ".jpeg", ".png", ".bmp"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Content:
     """The files of a folder.
 
@@ -49,7 +49,7 @@ def content_of(test: SpecimenTest) -> Content:
     # No testing machine writes arrays, although displacements may stand in them.
     endings = SUFFIXES - ARRAYS | _RECORDS
     tables = tuple(path for path in files if path.suffix.lower() in endings and path not in frames)
-    return Content(folder, found, refusal, pictures, tables)
+    return Content(folder=folder, frames=found, refusal=refusal, pictures=pictures, tables=tables)
 
 
 def columns_beside(found: Found) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 from hypernode.material.domain import Domain
 
@@ -47,7 +47,7 @@ class Material:
             self._warned = True
             warnings.warn(remark, UserWarning, stacklevel=4)
 
-    def energy(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n"]:
+    def energy(self, X: Float[ArrayLike, "n 2"], F: Float[ArrayLike, "... n 2 2"]) -> Float[Array, "... n"]:
         """Energy density Psi(X, F), zero at F = I.
 
         Args:
@@ -56,15 +56,15 @@ class Material:
         """
         return self._evaluate(self._energy, X, F)
 
-    def stress(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2"]:
+    def stress(self, X: Float[ArrayLike, "n 2"], F: Float[ArrayLike, "... n 2 2"]) -> Float[Array, "... n 2 2"]:
         """First Piola-Kirchhoff stress P[..., n, i, J]; arguments as in :meth:`energy`."""
         return self._evaluate(self._stress, X, F)
 
-    def tangent(self, X: Float[Array, "n 2"], F: Float[Array, "... n 2 2"]) -> Float[Array, "... n 2 2 2 2"]:
+    def tangent(self, X: Float[ArrayLike, "n 2"], F: Float[ArrayLike, "... n 2 2"]) -> Float[Array, "... n 2 2 2 2"]:
         """dP_iJ/dF_kL as [..., n, i, J, k, L]; arguments as in :meth:`energy`."""
         return self._evaluate(self._tangent, X, F)
 
-    def point_law(self, X: Float[Array, "n 2"]) -> tuple[Callable, Any]:
+    def point_law(self, X: Float[ArrayLike, "n 2"]) -> tuple[Callable, Any]:
         """What a finite-element code needs that evaluates one point at a time, such as JAX-FEM.
 
         Args:
@@ -84,7 +84,7 @@ class Material:
 
         return stress, jax.tree.map(by_point, params)
 
-    def stress_law(self, X: Float[Array, "n 2"]):
+    def stress_law(self, X: Float[ArrayLike, "n 2"]):
         """(P[i, J, point] as a function of (F[i, J, point], params), params at X).
 
         ``params`` is a tree of arrays; the last axis of each is that of the points, or has one entry that all share.

@@ -51,8 +51,8 @@ class NodeMaterial:
     terms: tuple[str, ...]
     hidden: tuple[int, ...]
     steps: int
-    invariant_scale: float
-    stress_scale: float
+    invariant_scale: float | Float[Array, "1"]
+    stress_scale: float | Float[Array, "1"]
     share: float = 0.1
     scaled: bool = False
     potential: str = "node"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 from hypernode.mechanics.kinematics import Invariants, in_plane_trace
 
@@ -156,7 +156,7 @@ NEUTRAL = {"k2": 1.0, "K": 1.0, "alpha": 2.0, "Jm": 1e6, "b": 1.0}
 
 
 def energy_density(
-    models: tuple[str, ...], I: Invariants, parameters: Mapping[str, Float[Array, "..."]]
+    models: tuple[str, ...], I: Invariants, parameters: Mapping[str, Float[ArrayLike, "..."]]
 ) -> Float[Array, "..."]:
     """Energy density of a field in which every point belongs to one of ``models``.
 
@@ -173,7 +173,7 @@ def energy_density(
 
 
 def energy_derivatives(
-    models: tuple[str, ...], I: Invariants, parameters: Mapping[str, Float[Array, "..."]]
+    models: tuple[str, ...], I: Invariants, parameters: Mapping[str, Float[ArrayLike, "..."]]
 ) -> Invariants:
     """dPsi/dI_k of :func:`energy_density` at every point, with the batch shape of ``I``."""
     return jax.grad(lambda invariants: jnp.sum(energy_density(models, invariants, parameters)))(I)

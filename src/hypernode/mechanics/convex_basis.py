@@ -39,7 +39,7 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 from hypernode.mechanics.kinematics import in_plane_trace, invariants, right_cauchy_green, stretch_powers
 from hypernode.mechanics.parameters import BASIS_TERMS
@@ -135,7 +135,7 @@ class ConvexBasis:
         """Parameters of a nearly neo-Hookean material of unit level."""
         return np.array([0.0, *(value for term in self.terms for value in PARAMETERS[term].values())])
 
-    def energy(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "..."]:
+    def energy(self, F: Float[ArrayLike, "2 2 ..."], params: Float[ArrayLike, "parameter ..."]) -> Float[Array, "..."]:
         """Energy density of a sheet in plane stress, of ``params`` in the order of :attr:`names`."""
         p = dict(zip(self.names, params, strict=True))
         I = invariants(F, 0.0)
@@ -160,7 +160,9 @@ class ConvexBasis:
         return jnp.exp(p["log_level"]) * total
 
     @traced_once
-    def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
+    def stress(
+        self, F: Float[ArrayLike, "2 2 ..."], params: Float[ArrayLike, "parameter ..."]
+    ) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...], the derivative of :meth:`energy`."""
         p = dict(zip(self.names, params, strict=True))
         I = invariants(F, 0.0)
@@ -189,7 +191,7 @@ class ConvexBasis:
             dJ = dJ + 2.0 * _coefficient(p["log1p_J_volume"]) * (1.0 - 1.0 / I.J**3)
         return jnp.exp(p["log_level"]) * stress_with_structure(F, dI1, dI2, S, dJ)
 
-    def coefficients(self, params: Float[Array, "parameter ..."]) -> dict[str, Float[Array, "..."]]:
+    def coefficients(self, params: Float[ArrayLike, "parameter ..."]) -> dict[str, Float[Array, "..."]]:
         """The numbers of the energy above by their letters; ``rx, ry`` of the fibres is r (cos 2a, sin 2a)."""
         p = dict(zip(self.names, params, strict=True))
         found = {"c": jnp.exp(p["log_level"])}

@@ -8,7 +8,7 @@ contiguous in memory, which is what makes the training step fast.
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 
 class Invariants(NamedTuple):
@@ -25,7 +25,7 @@ class Invariants(NamedTuple):
 REFERENCE = Invariants(3.0, 3.0, 1.0, 1.0, 1.0)
 
 
-def right_cauchy_green(F: Float[Array, "2 2 ..."]):
+def right_cauchy_green(F: Float[ArrayLike, "2 2 ..."]):
     """In-plane C = F^T F as its three components (C11, C22, C12), each of the batch shape."""
     C11 = F[0, 0] ** 2 + F[1, 0] ** 2
     C22 = F[0, 1] ** 2 + F[1, 1] ** 2
@@ -33,7 +33,7 @@ def right_cauchy_green(F: Float[Array, "2 2 ..."]):
     return C11, C22, C12
 
 
-def invariants(F: Float[Array, "2 2 ..."], fibre_angle: Float[Array, "..."]) -> Invariants:
+def invariants(F: Float[ArrayLike, "2 2 ..."], fibre_angle: Float[ArrayLike, "..."]) -> Invariants:
     """Invariants of the incompressible sheet, with F33 = 1/J eliminated, and its in-plane J.
 
     I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2, I4v = v.C v, I4w = w.C w. C and J belong to the in-plane F. The fibre
@@ -71,12 +71,12 @@ def stretch_powers(I: Invariants) -> dict[str, tuple]:
     }
 
 
-def in_plane_trace(I: Invariants) -> Float[Array, "..."]:
+def in_plane_trace(I: Invariants) -> Float[ArrayLike, "..."]:
     """tr C of the in-plane C: what I1 is without the thickness of an incompressible sheet."""
     return I.I1 - 1.0 / I.J**2
 
 
-def largest_principal_strain(F: Float[Array, "2 2 ..."]) -> Float[Array, "..."]:
+def largest_principal_strain(F: Float[ArrayLike, "2 2 ..."]) -> Float[Array, "..."]:
     """Largest in-plane eigenvalue of the Green-Lagrange strain E = (C - I)/2."""
     C11, C22, C12 = right_cauchy_green(F)
     mean = 0.5 * (C11 + C22)

@@ -1,13 +1,14 @@
 """What finite elements ask of a law of stress whose parameters differ from point to point."""
 
 from functools import partial
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import jax
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 
+@runtime_checkable
 class PointLaw(Protocol):
     """A law of stress with a vector of parameters, the first of which is the logarithm of a factor on all of it."""
 
@@ -19,7 +20,9 @@ class PointLaw(Protocol):
     def start(self) -> Float[np.ndarray, " parameter"]:
         """Parameters of some plain material."""
 
-    def stress(self, F: Float[Array, "2 2 ..."], params: Float[Array, "parameter ..."]) -> Float[Array, "2 2 ..."]:
+    def stress(
+        self, F: Float[ArrayLike, "2 2 ..."], params: Float[ArrayLike, "parameter ..."]
+    ) -> Float[Array, "2 2 ..."]:
         """First Piola-Kirchhoff stress P[i, J, ...] of a sheet in plane stress.
 
         Args:

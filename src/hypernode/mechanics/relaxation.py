@@ -23,7 +23,7 @@ EVIDENCE = 3.0
 _FRAMES = 25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Relaxation:
     """What a force record says of time.
 
@@ -75,7 +75,7 @@ class Relaxation:
 
 
 #: A sheet of whose record nothing is a matter of time, as far as one can or wants to know.
-ELASTIC = Relaxation(np.zeros(1), np.ones(1), np.zeros(1), np.zeros(1), -np.inf)
+ELASTIC = Relaxation(times=np.zeros(1), factor=np.ones(1), steps=np.zeros(1), open=np.zeros(1), odds=-np.inf)
 
 
 def fit_relaxation(
@@ -113,10 +113,18 @@ def fit_relaxation(
     relaxing, weights = found.factor[found.relaxes], found.weights
     relaxes = found.odds > EVIDENCE
     factor = relaxing[np.argmax(weights)] if relaxes else np.ones(SAMPLES)
-    chosen = Relaxation(times, factor, steps, np.zeros(len(steps)), found.odds)
-    each = np.array([Relaxation(times, other, steps, chosen.open, 0.0).at(steps) for other in relaxing])
+    chosen = Relaxation(times=times, factor=factor, steps=steps, open=np.zeros(len(steps)), odds=found.odds)
+    each = np.array(
+        [Relaxation(times=times, factor=other, steps=steps, open=chosen.open, odds=0.0).at(steps) for other in relaxing]
+    )
     apart = weights @ (each / chosen.at(steps) - 1.0) ** 2
     odds = found.odds if relaxes else max(found.odds, found.alike)
     chance = 1.0 / (1.0 + np.exp(-odds))
     elastic = (1.0 / chosen.at(steps) - 1.0) ** 2
-    return Relaxation(times, factor, steps, np.sqrt(chance * apart + (1.0 - chance) * elastic), found.odds)
+    return Relaxation(
+        times=times,
+        factor=factor,
+        steps=steps,
+        open=np.sqrt(chance * apart + (1.0 - chance) * elastic),
+        odds=found.odds,
+    )

@@ -1,13 +1,13 @@
 """The one stress kernel: finite elements, training and evaluation all call it."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
 from hypernode.mechanics.kinematics import Invariants
 
 
 def first_piola_kirchhoff(
-    F: Float[Array, "2 2 ..."], dPsi: Invariants, fibre_angle: Float[Array, "..."]
+    F: Float[ArrayLike, "2 2 ..."], dPsi: Invariants, fibre_angle: Float[ArrayLike, "..."]
 ) -> Float[Array, "2 2 ..."]:
     """In-plane P = sum_k dPsi/dI_k dI_k/dF of a sheet in plane stress.
 
@@ -30,7 +30,7 @@ def first_piola_kirchhoff(
     return stress_with_structure(F, dPsi.I1, dPsi.I2, (S11, S22, S12), dPsi.J)
 
 
-def stress_with_structure(F: Float[Array, "2 2 ..."], dI1, dI2, S, dJ=0.0) -> Float[Array, "2 2 ..."]:
+def stress_with_structure(F: Float[ArrayLike, "2 2 ..."], dI1, dI2, S, dJ=0.0) -> Float[Array, "2 2 ..."]:
     """The kernel itself, for fibres given as a tensor rather than by their angle.
 
     Args:

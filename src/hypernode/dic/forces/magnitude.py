@@ -9,6 +9,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
 from hypernode.dic.forces.matching import Component, PullRecord
 from hypernode.dic.frames import mean_gradient
+from hypernode.dic.narrowing import share_of
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import BOTH_AXES, tensile_axis
 
@@ -23,6 +24,9 @@ _LESS, _LEAST = 0.8, 0.3
 #: Factors that units and settings make, and how near to one a ratio must be.
 _FACTORS = {10.0: "cm for mm, or a setting", 25.4: "inches for mm", 100.0: "percent", 1000.0: "m, mm or micrometres"}
 _NEAR = 0.2
+#: How near the ratio is to a share or to a per cent of the sheet's side where displacements are of that unit, and how
+#: near to one it is of any right sheet. Crosshead and frames tell it within a hundredth.
+_SHARE, _ALIKE = 0.01, 0.1
 #: The same of forces, and how far a section may be from that of the sheet: a width read off by eye.
 _FORCE_FACTORS = {
     **{4.4482: "pounds for N", 9.80665: "kilograms or grams for N", 10.0: "cm for mm"},
@@ -96,7 +100,8 @@ def check_crosshead(
         return []
     pulled, longer = both
     ratio = pulled / longer
-    if _LESS <= ratio <= (_MORE_OF_WHOLE if whole else _MORE):
+    share = share_of(side, lambda factor: abs(ratio / factor - 1.0) < _SHARE)
+    if _LESS <= ratio <= (_MORE_OF_WHOLE if whole else _MORE) and (share is None or abs(ratio - 1.0) < _ALIKE):
         return []
     refused = not _LEAST <= ratio <= _MOST
     ways = "check the unit of the displacements, pixel_size and the size"
@@ -104,6 +109,9 @@ def check_crosshead(
         ways = f"--set displacement_factor={factor:g} where displacements are in another unit than positions; {ways}"
         if ratio < 1.0:
             ways = f"the crosshead may be in another unit than its header says, which you may correct; {ways}"
+    if share:
+        factor, unit = share
+        ways = f"--set displacement_factor={factor:g} where displacements are {unit}; {ways}"
     if not refused:
         ways += "; frames may be taken at another pace, --frame-rate, or grips slip"
     sentence = (
