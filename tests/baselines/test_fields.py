@@ -7,7 +7,8 @@ from hypernode.baselines.constitutive_gap import constitutive_gap_moduli, equili
 from hypernode.baselines.equilibrium_gap import BaselineError, equilibrium_gap_moduli, homogeneous_modulus, unit_stress
 from hypernode.baselines.reciprocity_gap import locate, outline_work, reciprocity_gap_moduli, states, strain_of
 from hypernode.baselines.regions import two_regions
-from hypernode.baselines.updating import updated_moduli
+from hypernode.baselines.updating import Sheet, updated_moduli
+from hypernode.baselines.updating_cells import updated_field
 from hypernode.baselines.virtual_fields import virtual_fields_moduli
 from hypernode.data.loading import Loading
 from hypernode.fem.gradient import deformation_gradient
@@ -71,8 +72,29 @@ def test_the_constitutive_gap_finds_an_inclusion():
 def test_updating_of_two_regions_finds_their_moduli_also_from_noisy_displacements(noise):
     mesh, loading, F, u, moduli = seen(noise=noise, cells=10)
     start = homogeneous_modulus(mesh, loading, F)
-    found = updated_moduli(mesh, loading, u, square(mesh.centres).astype(int), start)
+    found = updated_moduli(Sheet(mesh, loading, u, noise), square(mesh.centres).astype(int), start)
     np.testing.assert_allclose(found, moduli, rtol=0.02 if noise else 1e-4)
+
+
+def test_the_linearised_misfit_of_updating_is_that_of_differences_and_has_its_adjoint():
+    mesh, loading, F, u, _ = seen(cells=6)
+    tested, random = Sheet(mesh, loading, u, 0.0), np.random.default_rng(0)
+    level = np.log(homogeneous_modulus(mesh, loading, F)) + 0.2 * random.normal(size=len(mesh.cells))
+    change, size = random.normal(size=len(mesh.cells)), 1e-5
+    states = tested.states(level)
+    J = tested.linearised(level, states)
+    forward, missed = J.matvec(change), random.normal(size=J.shape[0])
+    assert J.rmatvec(missed) @ change == pytest.approx(missed @ forward, rel=1e-9)
+    ends = [tested.misfit(tested.states(level + sign * size * change)) for sign in (1.0, -1.0)]
+    np.testing.assert_allclose((ends[0] - ends[1]) / (2.0 * size), forward, atol=1e-5 * np.abs(forward).max())
+
+
+@pytest.mark.parametrize(("noise", "missed"), [(0.0, 1e-3), (2e-4, 0.05)])
+def test_updating_of_cells_finds_an_inclusion_also_from_noisy_displacements(noise, missed):
+    mesh, loading, F, u, moduli = seen(noise=noise)
+    found, iterations = updated_field(Sheet(mesh, loading, u, noise), homogeneous_modulus(mesh, loading, F))
+    assert np.median(np.abs(found / moduli - 1.0)) < missed and 1 < iterations < 30
+    assert (two_regions(found) == square(mesh.centres)).mean() > 0.98
 
 
 def test_two_regions_are_the_softer_and_the_stiffer_cells():

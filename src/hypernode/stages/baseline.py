@@ -10,12 +10,13 @@ from hypernode.baselines.constitutive_gap import constitutive_gap_moduli
 from hypernode.baselines.equilibrium_gap import NEO_HOOKEAN, equilibrium_gap_moduli, homogeneous_modulus
 from hypernode.baselines.reciprocity_gap import reciprocity_gap_moduli
 from hypernode.baselines.regions import two_regions
-from hypernode.baselines.updating import updated_moduli
+from hypernode.baselines.updating import Sheet, updated_moduli
+from hypernode.baselines.updating_cells import updated_field
 from hypernode.baselines.virtual_fields import virtual_fields_moduli
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, nodal_forces
+from hypernode.data.measurement import displacement_noise, field_gradient, measured_displacement, mesh_of, nodal_forces
 from hypernode.material.basis_file import basis_content, basis_field
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
@@ -35,9 +36,13 @@ def moduli_of(method: Method, measurement: xr.Dataset, F) -> tuple[np.ndarray, d
     u = filled(mesh, measured_displacement(measurement))
     if name == "reciprocity_gap":
         return reciprocity_gap_moduli(mesh, loading, F, u, nodal_forces(measurement)), {}
+    if name == "updating" and method.regions == "cells":
+        sheet = Sheet(mesh, loading, u, displacement_noise(measurement))
+        moduli, iterations = updated_field(sheet, homogeneous_modulus(mesh, loading, F))
+        return moduli, {"iterations": iterations}
     if name in ("virtual_fields", "updating") and method.regions == "one":
         region, found = np.zeros(len(mesh.cells), int), {}
-    elif name in ("virtual_fields", "updating") and method.regions == "cells":
+    elif name == "virtual_fields" and method.regions == "cells":
         region, found = np.arange(len(mesh.cells)), {}
     else:
         moduli, weight = equilibrium_gap_moduli(mesh, loading, F, method.seed)
@@ -47,7 +52,8 @@ def moduli_of(method: Method, measurement: xr.Dataset, F) -> tuple[np.ndarray, d
         region = two_regions(moduli)
     if name == "virtual_fields":
         return virtual_fields_moduli(mesh, loading, F, region), found
-    return updated_moduli(mesh, loading, u, region, homogeneous_modulus(mesh, loading, F)), found
+    sheet = Sheet(mesh, loading, u, displacement_noise(measurement))
+    return updated_moduli(sheet, region, homogeneous_modulus(mesh, loading, F)), found
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
