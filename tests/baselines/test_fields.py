@@ -10,10 +10,13 @@ from hypernode.baselines.regions import two_regions
 from hypernode.baselines.updating import Sheet, updated_moduli
 from hypernode.baselines.updating_cells import updated_field
 from hypernode.baselines.virtual_fields import virtual_fields_moduli
+from hypernode.config.methods import Method
+from hypernode.config.presets import presets
 from hypernode.data.loading import Loading
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.nodal_forces import nodal_force_matrices
 from hypernode.mechanics.loads import make_load
+from hypernode.stages.baseline import moduli_of
 from tests.sheets import sheet, square
 
 
@@ -102,6 +105,27 @@ def test_two_regions_are_the_softer_and_the_stiffer_cells():
     region = two_regions(equilibrium_gap_moduli(mesh, loading, F, seed=0)[0])
     assert (region == square(mesh.centres)).mean() > 0.95
     assert (two_regions(np.ones(5)) == 0).all()
+
+
+def test_regions_by_the_constitutive_gap_survive_noise_that_those_by_the_equilibrium_gap_do_not():
+    mesh, loading, F, _, _ = seen(noise=6e-4)
+    moduli = constitutive_gap_moduli(mesh, loading, F)[0], equilibrium_gap_moduli(mesh, loading, F, seed=0)[0]
+    by_law, by_balance = ((two_regions(each) == square(mesh.centres)).mean() for each in moduli)
+    assert by_law > 0.98 and by_law > by_balance
+
+
+@pytest.mark.parametrize(
+    ("preset", "moduli"),
+    [
+        *(("virtual_fields_one", 1), ("virtual_fields", 2), ("virtual_fields_cells", 64)),
+        *(("updating_regions", 2), ("updating_cells", 64), ("constitutive_gap", 64), ("homogeneous", 1)),
+    ],
+)
+def test_a_preset_has_as_many_moduli_as_it_has_regions(preset, moduli):
+    data, mesh, _ = sheet(8, square, make_load("equibiaxial", [1.05, 1.1]), 1e-4, terms=())
+    F = np.moveaxis(deformation_gradient(mesh, data["u_measured"].values[0]), (2, 3), (0, 1))
+    found, _ = moduli_of(Method.model_validate(presets()[preset]), data, F)
+    assert len(np.unique(found)) == moduli
 
 
 def test_states_of_the_reciprocity_gap_are_in_equilibrium_and_compatible_with_their_stress():

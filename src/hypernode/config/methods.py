@@ -163,8 +163,8 @@ class Method(Section):
     ``reciprocity_gap`` (the place of an inclusion from the outline), ``updating`` (moduli of regions or of cells by
     finite-element model updating), or ``constrained`` (the field of that section itself)."""
     regions: Literal["one", "two", "cells"] = "two"
-    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the equilibrium
-    gap, or every cell."""
+    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the
+    constitutive equation gap, or every cell."""
     constrained: Constrained | None = None
     """The equilibrium field that replaces the displacements and whose stress the networks learn; left out, the
     measurement is differentiated."""
