@@ -6,9 +6,9 @@ The logarithms m of the moduli minimise the misfit of :mod:`hypernode.baselines.
 
 over sides of length l that cells a and b of a sheet of side L share. T counts what is missed: a field a step, and each
 force. A line across the sheet between moduli of one and two costs as much as a misfit of one hundredth. Without that
-bound the problem is ill-posed. The logarithm is that of a misfit of unknown size, which an energy of another law than
-the sheet's leaves (profile likelihood): roughness must lower it by a share, not by an amount. The minimum is found by
-Gauss-Newton's method, with sensitivities by adjoint states (Oberai, Gokhale and Feijoo 2003).
+bound the problem is ill-posed. The logarithm is the profile likelihood of a misfit of unknown size, since a wrong law
+leaves one. Roughness must lower it by a share. The minimum is found by Gauss-Newton's method, with sensitivities by
+adjoint states (Oberai, Gokhale and Feijoo 2003).
 """
 
 import numpy as np
