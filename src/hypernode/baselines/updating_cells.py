@@ -65,7 +65,7 @@ def updated_field(sheet: Sheet, start: float) -> tuple[Float[np.ndarray, " cell"
     cost = sheet.terms * np.log1p(_relative(sheet, states))
     for iteration in range(ITERATIONS):
         step = _step(sheet, level, states, variation.curvature(level))
-        step *= min(1.0, LONGEST_STEP / np.abs(step).max())
+        step *= LONGEST_STEP / max(LONGEST_STEP, np.abs(step).max())
         for halving in range(HALVINGS + 1):
             tried = level + 0.5**halving * step
             found = sheet.states(tried, near=states)
