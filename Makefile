@@ -48,7 +48,7 @@ verdict: $(VENV)/run
 ablations: $(VENV)/run
 	$(RUN) --configfile config/ablations.yaml
 
-# What the published loss reaches on its own sheets, in results/tables/sweep.md: two to three hours of processor.
+# What the published loss reaches on its own sheets, in results/tables/sweep.md: half an hour of processor.
 sweep: $(VENV)/run
 	$(RUN) --configfile config/ablations.yaml -- results/tables/sweep.md
 

@@ -46,18 +46,20 @@ def table_text(config: Config, name: str, results: Path) -> str:
     parts = [markdown_text(run_table(read_runs(present), table.kind, table.columns))] if present else []
     absent = [run for run, file in files.items() if not file.is_file()]
     if absent:
-        parts.append(f"Not run: {_named(absent, runs)}.\n")
+        parts.append(" ".join(f"Not run: {each}." for each in _named(absent, runs)) + "\n")
     return "\n".join(parts)
 
 
-def _named(absent: list[tuple[str, str]], runs: list[tuple[str, str]]) -> str:
+def _named(absent: list[tuple[str, str]], runs: list[tuple[str, str]]) -> list[str]:
     """Runs by their cases; of a case of which nothing was run, how many."""
     cases = {case: [method for of, method in absent if of == case] for case, _ in absent}
     whole = {case: sum(of == case for of, _ in runs) for case in cases}
-    return "; ".join(
-        f"`{case}`, all {len(methods)}" if len(methods) == whole[case] else f"`{case}`: {', '.join(methods)}"
+    return [
+        f"`{case}`, all {len(methods)}"
+        if len(methods) == whole[case]
+        else f"`{case}`: {', '.join(f'`{each}`' for each in methods)}"
         for case, methods in cases.items()
-    )
+    ]
 
 
 if __name__ == "__main__":

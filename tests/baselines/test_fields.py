@@ -7,12 +7,16 @@ from hypernode.baselines.constitutive_gap import constitutive_gap_moduli, equili
 from hypernode.baselines.equilibrium_gap import BaselineError, equilibrium_gap_moduli, homogeneous_modulus, unit_stress
 from hypernode.baselines.reciprocity_gap import locate, outline_work, reciprocity_gap_moduli, states, strain_of
 from hypernode.baselines.regions import two_regions
-from hypernode.baselines.updating import updated_moduli
+from hypernode.baselines.updating import Sheet, updated_moduli
+from hypernode.baselines.updating_cells import updated_field
 from hypernode.baselines.virtual_fields import virtual_fields_moduli
+from hypernode.config.methods import Method
+from hypernode.config.presets import presets
 from hypernode.data.loading import Loading
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.nodal_forces import nodal_force_matrices
 from hypernode.mechanics.loads import make_load
+from hypernode.stages.baseline import moduli_of
 from tests.sheets import sheet, square
 
 
@@ -71,8 +75,29 @@ def test_the_constitutive_gap_finds_an_inclusion():
 def test_updating_of_two_regions_finds_their_moduli_also_from_noisy_displacements(noise):
     mesh, loading, F, u, moduli = seen(noise=noise, cells=10)
     start = homogeneous_modulus(mesh, loading, F)
-    found = updated_moduli(mesh, loading, u, square(mesh.centres).astype(int), start)
+    found = updated_moduli(Sheet(mesh, loading, u, noise), square(mesh.centres).astype(int), start)
     np.testing.assert_allclose(found, moduli, rtol=0.02 if noise else 1e-4)
+
+
+def test_the_linearised_misfit_of_updating_is_that_of_differences_and_has_its_adjoint():
+    mesh, loading, F, u, _ = seen(cells=6)
+    tested, random = Sheet(mesh, loading, u, 0.0), np.random.default_rng(0)
+    level = np.log(homogeneous_modulus(mesh, loading, F)) + 0.2 * random.normal(size=len(mesh.cells))
+    change, size = random.normal(size=len(mesh.cells)), 1e-5
+    states = tested.states(level)
+    J = tested.linearised(level, states)
+    forward, missed = J.matvec(change), random.normal(size=J.shape[0])
+    assert J.rmatvec(missed) @ change == pytest.approx(missed @ forward, rel=1e-9)
+    ends = [tested.misfit(tested.states(level + sign * size * change)) for sign in (1.0, -1.0)]
+    np.testing.assert_allclose((ends[0] - ends[1]) / (2.0 * size), forward, atol=1e-5 * np.abs(forward).max())
+
+
+@pytest.mark.parametrize(("noise", "missed"), [(0.0, 1e-3), (2e-4, 0.05)])
+def test_updating_of_cells_finds_an_inclusion_also_from_noisy_displacements(noise, missed):
+    mesh, loading, F, u, moduli = seen(noise=noise)
+    found, iterations = updated_field(Sheet(mesh, loading, u, noise), homogeneous_modulus(mesh, loading, F))
+    assert np.median(np.abs(found / moduli - 1.0)) < missed and 1 < iterations < 30
+    assert (two_regions(found) == square(mesh.centres)).mean() > 0.98
 
 
 def test_two_regions_are_the_softer_and_the_stiffer_cells():
@@ -80,6 +105,27 @@ def test_two_regions_are_the_softer_and_the_stiffer_cells():
     region = two_regions(equilibrium_gap_moduli(mesh, loading, F, seed=0)[0])
     assert (region == square(mesh.centres)).mean() > 0.95
     assert (two_regions(np.ones(5)) == 0).all()
+
+
+def test_regions_by_the_constitutive_gap_survive_noise_that_those_by_the_equilibrium_gap_do_not():
+    mesh, loading, F, _, _ = seen(noise=6e-4)
+    moduli = constitutive_gap_moduli(mesh, loading, F)[0], equilibrium_gap_moduli(mesh, loading, F, seed=0)[0]
+    by_law, by_balance = ((two_regions(each) == square(mesh.centres)).mean() for each in moduli)
+    assert by_law > 0.98 and by_law > by_balance
+
+
+@pytest.mark.parametrize(
+    ("preset", "moduli"),
+    [
+        *(("virtual_fields_one", 1), ("virtual_fields", 2), ("virtual_fields_cells", 64)),
+        *(("updating_regions", 2), ("updating_cells", 64), ("constitutive_gap", 64), ("homogeneous", 1)),
+    ],
+)
+def test_a_preset_has_as_many_moduli_as_it_has_regions(preset, moduli):
+    data, mesh, _ = sheet(8, square, make_load("equibiaxial", [1.05, 1.1]), 1e-4, terms=())
+    F = np.moveaxis(deformation_gradient(mesh, data["u_measured"].values[0]), (2, 3), (0, 1))
+    found, _ = moduli_of(Method.model_validate(presets()[preset]), data, F)
+    assert len(np.unique(found)) == moduli
 
 
 def test_states_of_the_reciprocity_gap_are_in_equilibrium_and_compatible_with_their_stress():

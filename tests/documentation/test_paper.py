@@ -162,7 +162,8 @@ def test_a_table_is_rendered_from_a_run_and_names_what_was_not_run(tmp_path, con
     row = rows_of(text)[1]
     assert row[:3] == [r"X\_published", r"published\_40", "6.91"] and row[5] == "0.943"
     assert text.startswith("before") and "old" not in text
-    assert "`ring_swept`, all 16" in text and "`X_published`: published_pretrained, published_muon" in text
+    whole = len(configurations["config/ablations.yaml"].cases["ring_swept"].methods)
+    assert f"`ring_swept`, all {whole}" in text and "`X_published`: `published_pretrained`, `published_muon`" in text
     assert rendered(text, results, configurations.__getitem__) == text
     with pytest.raises(ValueError, match=r"tables\.timing"):
         rendered(page.replace("sweep of config/ablations", "timing of config/config"), results, configurations.get)

@@ -201,7 +201,7 @@ def figure_input(kind: str, level: str) -> tuple[dict, dict]:
             **{"truth": material(), "material": material(1.2)},
             **{"measurement": measurement(), "field": field_used(0.01)},
         },
-        "overview": {"measurement": measurement()},
+        "overview": {"measurement": measurement(), "field": field_used(0.01)},
         "references": {"references": references()},
     }
     return judged | more[kind], settings

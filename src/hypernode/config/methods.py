@@ -160,12 +160,11 @@ class Method(Section):
     """A method without networks: ``homogeneous`` (one neo-Hookean modulus from the forces), ``virtual_fields`` (moduli
     of regions by sensitivity-based virtual fields), ``equilibrium_gap`` (a modulus a cell, for which the measured
     deformation is in equilibrium), ``constitutive_gap`` (a modulus a cell, closest to a stress in equilibrium),
-    ``reciprocity_gap`` (the place of an inclusion from the outline), ``updating`` (moduli of regions by finite-element
-    model updating), or ``constrained`` (the field of that section itself; with ``terms: []`` this is neo-Hookean
-    model updating of every cell)."""
+    ``reciprocity_gap`` (the place of an inclusion from the outline), ``updating`` (moduli of regions or of cells by
+    finite-element model updating), or ``constrained`` (the field of that section itself)."""
     regions: Literal["one", "two", "cells"] = "two"
-    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the equilibrium
-    gap, or every cell (not of ``updating``)."""
+    """Regions of ``virtual_fields`` and ``updating``: the sheet, its softer and its stiffer cells by the
+    constitutive equation gap, or every cell."""
     constrained: Constrained | None = None
     """The equilibrium field that replaces the displacements and whose stress the networks learn; left out, the
     measurement is differentiated."""
@@ -203,10 +202,6 @@ class Method(Section):
             idle = [key for key in (*stages, "interpolant", "polish") if getattr(self, key) is not None]
             if idle:
                 raise ValueError(f"a baseline has no networks: leave out {', '.join(idle)}")
-            if self.baseline == "updating" and self.regions == "cells":
-                raise ValueError(
-                    "updating of every cell is the baseline constrained with terms: []; say regions one or two here"
-                )
             if (self.constrained is None) == (self.baseline == "constrained"):
                 raise ValueError("the section constrained goes with baseline 'constrained', and only with that one")
             return self

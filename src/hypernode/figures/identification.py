@@ -82,7 +82,7 @@ def _curves(axes, data, units):
     axes.set_xlabel(f"{'equibiaxial' if is_biaxial(kind) else 'uniaxial'} stretch [-]")
     axes.set_ylabel(f"$P_{{{'xX' if component == 0 else 'yY'}}}$" + unit_label(units["stress"]))
     # Room for the legend above the curves, which fill both lower corners.
-    axes.set_ylim(top=1.7 * axes.get_ylim()[1])
+    axes.set_ylim(top=2.1 * axes.get_ylim()[1])
     axes.legend(loc="upper left", title=inclusion_note(data), title_fontsize="x-small", alignment="left")
 
 

@@ -1,5 +1,7 @@
 """The pipeline drawn with a case's own fields (paper: fig_summary)."""
 
+from itertools import pairwise
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
@@ -13,6 +15,7 @@ from hypernode.figures.style import (
     draw_field,
     inclusion_note,
     indicator_label,
+    interpolated,
     is_biaxial,
     mark_places,
     outline,
@@ -54,51 +57,75 @@ def _curves(curve, data):
     curve.legend(loc="upper left", title=inclusion_note(data), title_fontsize="x-small", alignment="left")
 
 
+#: Lower edge and size of the maps and of the boxes, as shares of the figure.
+UPPER, LOWER, MAP = 0.595, 0.135, (0.169, 0.265)
+#: Left edges of the maps of displacement, of measured and of used strain, and of the boxes.
+LEFT, BOX = (0.02, 0.27, 0.52), (0.785, 0.185, 0.125)
+
+
+def _map(figure, data, place, values, norm, colours, title):
+    """(axes, mappable) of one field; ``place`` is its lower left corner."""
+    axes = figure.add_axes([*place, *MAP])
+    mappable = draw_field(axes, data, values, norm, colours)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.set_title(title)
+    return axes, mappable
+
+
+def _bar(figure, left, right, mappable, label):
+    """A colour bar below maps, from the first to the last, which keep their size."""
+    x, y, _, _ = left.get_position().bounds
+    cax = figure.add_axes([x, y - 0.03, right.get_position().x1 - x, 0.015])
+    colour_bar(figure, None, mappable, label, cax=cax, orientation="horizontal")
+
+
 def draw(data, settings: dict):
-    """From displacements to a material: measured u, its strain, the networks, the material field and two curves.
+    """From displacements to a material: measured u, strains of its F and of the F that is used, networks, response.
+
+    Both strains share their colours.
 
     Args:
-        data: ``measurement``, ``evaluation``: opened files.
+        data: ``measurement``, ``field``, ``evaluation``: opened files.
         settings: ``step`` is the load step drawn.
     """
     measurement, evaluation, step = data["measurement"], data["evaluation"], settings["step"]
     units = units_of(evaluation)
     u = measurement["u_measured"].values.mean(axis=0)[step]
     size = np.linalg.norm(u, axis=1)[evaluation["cells"].values].mean(axis=1)
-    strain, found = evaluation["principal_strain_measured"].values[step], evaluation["trace_P"].values
-    stress = indicator_label(evaluation.attrs["load"], units)
-    figure = plt.figure(figsize=(7.2, 4.2))
-    fields = (
-        ([0.02, 0.53, 0.2, 0.33], size, FIELD_MAP, "measured displacement", "$|u|$" + unit_label(units["length"])),
-        ([0.33, 0.53, 0.2, 0.33], strain, STRAIN_MAP, "deformation", "max. principal strain [-]"),
-        (
-            [0.02, 0.07, 0.2, 0.33],
-            found,
-            FIELD_MAP,
-            f"material, all at {evaluation.attrs['shape_stretch']:.3g}",
-            stress,
-        ),
+    measured, used = (evaluation[f"principal_strain_{key}"].values[step] for key in ("measured", "identified"))
+    found = evaluation["trace_P"].values
+    figure = plt.figure(figsize=(7.2, 4.6))
+    panel, shown = _map(
+        figure, evaluation, (LEFT[0], UPPER), size, shared_norm(size), FIELD_MAP, "measured displacement"
     )
-    for place, values, colours, title, label in fields:
-        axes = figure.add_axes(place)
-        mappable = draw_field(axes, evaluation, values, shared_norm(values), colours)
-        axes.set_xticks([])
-        axes.set_yticks([])
-        axes.set_title(title)
-        colour_bar(figure, axes, mappable, label)
-    outline(axes, evaluation, evaluation["shape"].values)
-    mark_places(axes, evaluation)
-    _box(figure, (0.645, 0.63, 0.15, 0.13), "hyper-network\n$X$ $\\to$ weights of\nneural ODEs")
-    _box(figure, (0.835, 0.63, 0.155, 0.13), "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$")
-    _box(figure, (0.835, 0.33, 0.155, 0.14), "stress $P(X, F)$\nDiv $P$ = 0, edge\nforces = load cell")
-    _curves(figure.add_axes([0.44, 0.11, 0.29, 0.29]), evaluation)
+    _bar(figure, panel, panel, shown, "$|u|$" + unit_label(units["length"]))
+    strain = shared_norm(measured, used)
+    first, _ = _map(figure, evaluation, (LEFT[1], UPPER), measured, strain, STRAIN_MAP, "measured $F$")
+    name = "interpolated $F$" if interpolated(data["field"]) else "$F$ that is used"
+    second, shown = _map(figure, evaluation, (LEFT[2], UPPER), used, strain, STRAIN_MAP, name)
+    _bar(figure, first, second, shown, "max. principal strain [-]")
+    title = f"material, all at {evaluation.attrs['shape_stretch']:.3g}"
+    last, shown = _map(figure, evaluation, (LEFT[0], LOWER), found, shared_norm(found), FIELD_MAP, title)
+    _bar(figure, last, last, shown, indicator_label(evaluation.attrs["load"], units))
+    outline(last, evaluation, evaluation["shape"].values)
+    mark_places(last, evaluation)
+    x, width, height = BOX
+    boxes = (
+        (0.68, "hyper-network\n$X$ $\\to$ weights of\nneural ODEs"),
+        (0.46, "neural ODEs\ninvariants $\\to$ $\\partial\\Psi/\\partial I_k$"),
+        (0.24, "stress $P(X, F)$\nDiv $P$ = 0, edge\nforces = load cell"),
+    )
+    for y, text in boxes:
+        _box(figure, (x, y, width, height), text)
+    _curves(figure.add_axes([0.42, 0.11, 0.3, 0.3]), evaluation)
+    middle, beside = UPPER + 0.5 * MAP[1], x + 0.5 * width
     for start, end in (
-        ((0.285, 0.695), (0.322, 0.695)),
-        ((0.597, 0.695), (0.64, 0.695)),
-        ((0.8, 0.695), (0.83, 0.695)),
-        ((0.9125, 0.625), (0.9125, 0.475)),
-        ((0.83, 0.4), (0.74, 0.31)),
-        ((0.355, 0.235), (0.3, 0.235)),
+        *(((left + MAP[0] + 0.012, middle), (right - 0.012, middle)) for left, right in pairwise((*LEFT, x))),
+        ((beside, 0.675), (beside, 0.59)),
+        ((beside, 0.455), (beside, 0.37)),
+        ((x - 0.012, 0.29), (0.735, 0.27)),
+        ((0.32, 0.28), (0.225, 0.28)),
     ):
         _arrow(figure, start, end)
     return figure

@@ -70,7 +70,7 @@ def figure_inputs(config: Config, name: str) -> dict[str, str]:
         files |= field_inputs(config, figure.case, figure.method, "field", "measurement")
         files["material"] = f"{folder}/material.nc"
     if figure.kind == "overview":
-        files["measurement"] = f"results/{figure.case}/measurement.nc"
+        files |= field_inputs(config, figure.case, figure.method, "field", "measurement")
     return files
 
 

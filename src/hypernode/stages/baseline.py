@@ -10,12 +10,13 @@ from hypernode.baselines.constitutive_gap import constitutive_gap_moduli
 from hypernode.baselines.equilibrium_gap import NEO_HOOKEAN, equilibrium_gap_moduli, homogeneous_modulus
 from hypernode.baselines.reciprocity_gap import reciprocity_gap_moduli
 from hypernode.baselines.regions import two_regions
-from hypernode.baselines.updating import updated_moduli
+from hypernode.baselines.updating import Sheet, updated_moduli
+from hypernode.baselines.updating_cells import updated_field
 from hypernode.baselines.virtual_fields import virtual_fields_moduli
 from hypernode.config.methods import Method
 from hypernode.data.loading import Loading
 from hypernode.data.lost import filled
-from hypernode.data.measurement import field_gradient, measured_displacement, mesh_of, nodal_forces
+from hypernode.data.measurement import displacement_noise, field_gradient, measured_displacement, mesh_of, nodal_forces
 from hypernode.material.basis_file import basis_content, basis_field
 from hypernode.material.domain import Domain
 from hypernode.material.domain_file import domain_content
@@ -29,25 +30,35 @@ def moduli_of(method: Method, measurement: xr.Dataset, F) -> tuple[np.ndarray, d
     mesh, loading, name = mesh_of(measurement), Loading.of(measurement), method.baseline
     if name == "homogeneous":
         return np.full(len(mesh.cells), homogeneous_modulus(mesh, loading, F)), {}
+    if name == "equilibrium_gap":
+        moduli, weight = equilibrium_gap_moduli(mesh, loading, F, method.seed)
+        return moduli, {"smoothness_weight": weight}
     if name == "constitutive_gap":
         moduli, alternations = constitutive_gap_moduli(mesh, loading, F)
         return moduli, {"alternations": alternations}
     u = filled(mesh, measured_displacement(measurement))
     if name == "reciprocity_gap":
         return reciprocity_gap_moduli(mesh, loading, F, u, nodal_forces(measurement)), {}
-    if name in ("virtual_fields", "updating") and method.regions == "one":
-        region, found = np.zeros(len(mesh.cells), int), {}
-    elif name in ("virtual_fields", "updating") and method.regions == "cells":
-        region, found = np.arange(len(mesh.cells)), {}
-    else:
-        moduli, weight = equilibrium_gap_moduli(mesh, loading, F, method.seed)
-        found = {"smoothness_weight": weight}
-        if name == "equilibrium_gap":
-            return moduli, found
+    return _of_regions(method, mesh, loading, F, u, displacement_noise(measurement))
+
+
+def _of_regions(method: Method, mesh, loading: Loading, F, u, noise: float) -> tuple[np.ndarray, dict]:
+    """:func:`moduli_of` by virtual fields or model updating, of the regions that the method asks for.
+
+    Two regions are told apart by the moduli of the constitutive equation gap, which noise disturbs less than others.
+    """
+    found, cells = {}, len(mesh.cells)
+    if method.regions == "cells" and method.baseline == "updating":
+        moduli, iterations = updated_field(Sheet(mesh, loading, u, noise), homogeneous_modulus(mesh, loading, F))
+        return moduli, {"iterations": iterations}
+    if method.regions == "two":
+        moduli, found["alternations"] = constitutive_gap_moduli(mesh, loading, F)
         region = two_regions(moduli)
-    if name == "virtual_fields":
+    else:
+        region = np.arange(cells) if method.regions == "cells" else np.zeros(cells, int)
+    if method.baseline == "virtual_fields":
         return virtual_fields_moduli(mesh, loading, F, region), found
-    return updated_moduli(mesh, loading, u, region, homogeneous_modulus(mesh, loading, F)), found
+    return updated_moduli(Sheet(mesh, loading, u, noise), region, homogeneous_modulus(mesh, loading, F)), found
 
 
 def run(method: Method, name: str, files: dict[str, str], output: str, attributes: dict) -> None:
