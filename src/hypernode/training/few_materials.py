@@ -40,10 +40,10 @@ def learn_few_materials(problem: InverseProblem, target: Target) -> Fit | None:
     There is none where materials are many, where the network cannot tell their regions apart, or where one of them is
     missed by more than the tolerance.
 
-    With linear functions g_k of the Fourier features, g_k > 0 in material k alone, a unit of each hidden layer gives
-    tanh(b g_k), sharp enough to be one or minus one at every cell. The last layer makes of them theta_0 + sum over k of
-    (theta_k - theta_0) (1 + tanh) / 2, theta_k being the parameters fitted to material k and theta_0 those of the
-    background. Other units keep their random weights, for a later training, and do not count.
+    Linear functions g_k of the Fourier features are positive in material k alone. A unit of each hidden layer gives
+    tanh(b g_k), which is nearly one or minus one at every cell. The last layer makes of them theta_0 + sum over k of
+    (theta_k - theta_0) (1 + tanh(b g_k)) / 2. Here theta_k are the parameters fitted to material k, theta_0 those of
+    the background. Other units keep their random weights, for a later training, and do not count.
     """
     labels = problem.materials
     if labels.max() + 1 > min(FEW, *problem.method.hypernetwork.widths):
