@@ -52,20 +52,21 @@ def learn_few_materials(problem: InverseProblem, target: Target) -> Fit | None:
     found = separate(np.asarray(network.features(problem.X), float), labels)
     if found is None:
         return None
-    params, losses = fit_materials(problem, target)
-    if losses.max() > problem.method.pretraining.tolerance**2:
+    params, missed, losses = fit_materials(problem, target)
+    if missed.max() > problem.method.pretraining.tolerance**2:
         return None
     _write_into(network, found, params)
-    missed = np.sqrt(losses.max())
-    say("pre-training", problem.name, f"{len(params)} materials fitted, the worst missed by {missed:.2%}")
+    worst = np.sqrt(missed.max())
+    say("pre-training", problem.name, f"{len(params)} materials fitted, the worst missed by {worst:.2%}")
     return Fit(network, losses, np.arange(len(losses)))
 
 
-def fit_materials(problem: InverseProblem, target: Target) -> tuple[np.ndarray, np.ndarray]:
-    """(parameters of each material (material, size), their loss), each fitted to the stress of its cells.
+def fit_materials(problem: InverseProblem, target: Target) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Each material fitted to the stress of its cells: parameters (material, size), how far they miss, the loss.
 
     The loss is that of pre-training, at deformations of some of the material's own cells and at the homogeneous modes.
-    Of several starts the one is kept that misses least of deformations that it was not fitted to.
+    Of several starts the one is kept that misses least of deformations that it was not fitted to. That squared error
+    (material,) is returned, and the mean loss of all materials after every step (step,).
     """
     material, prior_weight = problem.node, problem.method.prior_weight
 
@@ -99,13 +100,16 @@ def fit_materials(problem: InverseProblem, target: Target) -> tuple[np.ndarray, 
         tried = []
         for number in range(settings.rounds):
             start = scaled(_start(problem, number, cells[0]), seen)
-            params, _ = solve(start, {**seen, "centre": start})
+            params, squares = solve(start, {**seen, "centre": start})
             missed = held_out(jnp.asarray(params, jnp.float32), {**unseen, "centre": start})
-            tried.append((float(missed @ missed), params))
+            tried.append((float(missed @ missed), params, squares))
             if tried[-1][0] <= (FAR * settings.tolerance) ** 2:
                 break
         found.append(min(tried, key=lambda each: each[0]))
-    return np.stack([params for _, params in found]), np.array([loss for loss, _ in found], np.float32)
+    missed, params, histories = zip(*found, strict=True)
+    longest = max(map(len, histories))
+    losses = np.mean([np.pad(each, (0, longest - len(each)), mode="edge") for each in histories], axis=0)
+    return np.stack(params), np.array(missed), losses.astype(np.float32)
 
 
 def _start(problem: InverseProblem, number: int, cell: int) -> jax.Array:
