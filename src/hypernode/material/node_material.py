@@ -185,6 +185,15 @@ class NodeMaterial:
         mixture = jnp.array([MIXTURE_START.get(TERMS[term][0], 0.0) for term in self.mixtures])
         return self.join(weights, mixture, constants, jnp.zeros(()))
 
+    def departures(
+        self, node_params: Float[Array, " size"], centre: Float[Array, " size"]
+    ) -> Float[Array, " departure"]:
+        """Numbers of one material whose squares add up to :meth:`departure`."""
+        weights, _, logarithms, _ = self.split(node_params)
+        _, mixture, _, angle = self.split(node_params - centre)
+        amounts = jnp.sqrt(AMOUNT_COST) * jnp.exp(0.5 * logarithms[1:])
+        return jnp.concatenate([weights.ravel(), mixture, amounts, angle[None]])
+
     def departure(self, node_params: Float[Array, "size point"], centre: Float[Array, " size"]) -> Float[Array, ""]:
         """Mean over points of how far the material is from the plainest one, a neo-Hookean sheet.
 

@@ -50,13 +50,17 @@ class FourierMLP(nnx.Module):
             nnx.Linear(a, b, kernel_init=init, rngs=nnx.Rngs(rngs.weights())) for a, b in itertools.pairwise(sizes)
         )
 
+    def features(self, X: Float[Array, "... 2"]) -> Float[Array, "... feature"]:
+        """sin 2 pi B X and cos 2 pi B X."""
+        phase = 2.0 * jnp.pi * (X @ self.frequencies[...])
+        return jnp.concatenate([jnp.sin(phase), jnp.cos(phase)], axis=-1)
+
     def __call__(
         self, X: Float[Array, "... 2"], extra: Float[Array, "... extra"] | None = None
     ) -> Float[Array, "... outputs"]:
         """Value at X; batch axes of X and ``extra`` broadcast, so a grid of positions by load
         parameters, X[1, point, 2] and extra[step, 1, 1], computes its features once a point."""
-        phase = 2.0 * jnp.pi * (X @ self.frequencies[...])
-        features = jnp.concatenate([jnp.sin(phase), jnp.cos(phase)], axis=-1)
+        features = self.features(X)
         first = self.layers[0]
         kernel, split = first.kernel[...], features.shape[-1]
         h = features @ kernel[:split] + first.bias[...]

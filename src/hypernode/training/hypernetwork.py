@@ -9,9 +9,11 @@ import numpy as np
 from hypernode.config.methods import POINTWISE
 from hypernode.material.laws import node_stress
 from hypernode.progress import say
+from hypernode.training.few_materials import learn_few_materials
 from hypernode.training.loop import Fit, minimise
 from hypernode.training.losses import LOSSES, variation
 from hypernode.training.problem import InverseProblem
+from hypernode.training.targets import Target
 
 #: Components of the stress in the plane: misfits are means over them, and the squared gap is a sum.
 COMPONENTS = 4.0
@@ -32,8 +34,21 @@ def initialise(problem: InverseProblem) -> Fit:
 def pretrain(problem: InverseProblem) -> Fit:
     """Train P_pred(X_i, t_j) towards its target at every cell.
 
-    The target is P_ave(t_j) (equation ``pre-training1-6``), or the stress of the constrained field. That one is there
-    to be reproduced: a network that misses it by more than a tolerance is trained again.
+    The target is P_ave(t_j) (equation ``pre-training1-6``), or the stress of the constrained field. Of a field of few
+    materials the network is made from these (:mod:`hypernode.training.few_materials`), and not by a descent.
+    """
+    target = problem.target()
+    if problem.has_field and problem.method.pretraining.iterations:
+        fit = learn_few_materials(problem, target)
+        if fit is not None:
+            return fit
+    return _by_descent(problem, target)
+
+
+def _by_descent(problem: InverseProblem, every: Target) -> Fit:
+    """The hyper-network that stochastic gradients lead to.
+
+    A constrained field is there to be reproduced: a network that misses it by more than a tolerance is trained again.
     """
     method, settings = problem.method, problem.method.pretraining
     params, apply = problem.trainable()
@@ -42,7 +57,6 @@ def pretrain(problem: InverseProblem) -> Fit:
     # An iteration sees the cells that follow one another, from anywhere on, in an order that is random once and for
     # all: to draw and gather them anew would take a seventh of its time. The order ends as it begins.
     order = np.resize(np.random.default_rng(method.seed).permutation(cells), cells + count)
-    every = problem.target()
     target, X = every.ordered(order), problem.X[order]
 
     def loss(params, key):

@@ -129,9 +129,12 @@ class InverseProblem:
         """(settings, inputs beside the position, outputs) of the hyper-network."""
         return Frequencies.model_validate_json(self.hypernetwork), 0, self.node.size
 
-    def _new_network(self, seed: int) -> FourierMLP:
-        """A hyper-network with random weights; with ``from_bias`` it gives nearly the homogenised parameters."""
-        network = make_network(*self._architecture, seed)
+    def new_network(self, number: int = 0) -> FourierMLP:
+        """A hyper-network with random weights, others for each number.
+
+        With ``from_bias`` it gives nearly the homogenised parameters.
+        """
+        network = make_network(*self._architecture, self.method.seed + 1 + SEEDS_APART * number)
         if self.method.initialisation.from_bias:
             last = network.layers[-1]
             last.bias[...] = self.centre
@@ -146,7 +149,13 @@ class InverseProblem:
 
     def other_trainable(self, number: int):
         """(params, params -> network) of a new one; each number has random weights of its own."""
-        return split_trainable(self._new_network(self.method.seed + 1 + SEEDS_APART * number))
+        return split_trainable(self.new_network(number))
+
+    @functools.cached_property
+    def materials(self) -> np.ndarray:
+        """Number of the material of each cell (cell,): cells of one number have the same in the constrained field."""
+        _, params = basis_field(self.inputs["constrained"])
+        return np.unique(params.reshape(-1, params.shape[-1]), axis=1, return_inverse=True)[1].ravel()
 
     @property
     def has_field(self) -> bool:
