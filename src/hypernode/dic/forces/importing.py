@@ -9,10 +9,11 @@ from jaxtyping import Float, Int
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
-from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
+from hypernode.dic.forces.clock import ONSET, ClockOffset, agreed_offset, begins_above, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
 from hypernode.dic.forces.drift import drift_findings
 from hypernode.dic.forces.growth import growth_findings
+from hypernode.dic.forces.lag import without_lag
 from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
 from hypernode.dic.forces.pairing import pairing_of
@@ -209,10 +210,15 @@ def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series
     if pull.image is not None:
         return pulls, []
     numbers, stretch = first_loading(series, working_stretch(series, test.load, *part))
-    time = pull.times(numbers)
+    moved, findings = without_lag(test, pulls, series)
+    time = moved[part].times(numbers)
     offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
     if given != "estimate":
-        return pulls, check_clock(offsets, float(np.median(np.diff(time))) if len(time) > 1 else 0.0, given is not None)
+        interval = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+        # The curve of a whole pull tells more of the clock than where it begins, and a preload begins nowhere.
+        begins = not findings and (test.force_offset is None or not begins_above(pull.time, pull.force, float(time[0])))
+        told = [each for each in offsets if begins or each.by != ONSET]
+        return moved, findings + check_clock(told, interval, given is not None)
     seconds, sentence = _estimated(pull, offsets)
     clock = pull.clock.later(seconds)
     return {key: replace(each, clock=clock) for key, each in pulls.items()}, [Finding(sentence, False)]
