@@ -118,7 +118,7 @@ def trellis(C, p):
 
 
 def compressible(C, p):
-    """mu / 2 (tr C + s^2 - 3 - 2 ln J) + (bulk - 2/3) mu / 2 ln^2 J, with the stretch s of a thickness without stress."""
+    """mu / 2 (tr C + s^2 - 3 - 2 ln J) + (bulk - 2/3) mu / 2 ln^2 J, with a thickness stretch s that is free."""
     area, lame = jnp.log(jnp.linalg.det(C)) / 2, p["bulk"] - 2.0 / 3.0
     thin = -lame / (lame + 2.0) * area
     for _ in range(_NEWTON):

@@ -231,6 +231,7 @@ def test_a_sheet_that_is_stretched_in_its_first_picture_has_the_forces_of_one_fr
     true = force_at(np.array(SIZES)[case.numbers])
     as_recorded, wrong = preloaded[10 * case.numbers] / true - 1.0, np.abs(case.force[1, 1] / true - 1.0)
     assert (wrong < 0.2 * as_recorded).all() and (wrong <= 2.0 * case.pairing).all()
+    assert case.preload == pytest.approx(elongation, rel=0.2)
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05, -0.05])

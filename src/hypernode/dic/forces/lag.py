@@ -46,14 +46,20 @@ def without_lag(
     paired = pairing_of(test, pull, series, part)
     if paired.with_crosshead or not paired.told(_DEVIATIONS):
         return pulls, []
-    numbers, _ = first_loading(series, working_stretch(series, test.load, *part))
-    begin = float(pull.times(numbers)[0])
+    numbers, course = first_loading(series, working_stretch(series, test.load, *part))
+    time = pull.times(numbers)
+    begin, pace = float(time[0]), float((course[-1] - course[0]) / (time[-1] - time[0]))
     late = paired.seconds > 0.0
     if not (_stands_then_begins(pull, begin, paired) if late else _preloaded(test, pull, begin, paired)):
         return pulls, []
     begin, why = begin + paired.seconds, "the record does not reach, once its clock is moved"
     beyond = (Silence(begin, float(pull.time[0]), why), Silence(float(pull.time[-1]), np.inf, why))
-    moved = replace(pull, clock=pull.clock.later(paired.seconds), silences=(*pull.silences, *beyond))
+    moved = replace(
+        pull,
+        clock=pull.clock.later(paired.seconds),
+        silences=(*pull.silences, *beyond),
+        preload=max(-paired.seconds * pace, 0.0),
+    )
     return {part: moved}, [Finding(_sentence(paired, late), False)]
 
 
