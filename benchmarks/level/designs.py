@@ -1,4 +1,4 @@
-"""The sheets of three studies: seen in part, with elastic records that err, and of laws that are right or wrong."""
+"""The sheets of four studies: seen in part, records that err, laws that are right or wrong, volumes that change."""
 
 from collections.abc import Mapping
 
@@ -14,6 +14,8 @@ USUAL = {
 }
 CONTRASTS, SEEN, SHAPES = (1.0, 2.0, 5.0), (0.6, 0.8, 1.0), ("disc", "stripe")
 PRELOADS, LATE = (0.0, 0.01, 0.02), (0, 1, 3)
+#: Bulk over shear modulus; none where the volume is kept.
+BULK = (1.0, 3.0, 10.0, None)
 #: Kind of law -> its numbers beside the shear modulus.
 ELASTIC = {
     "neo_hookean": {},
@@ -81,5 +83,18 @@ def _laws() -> dict[str, Sheet]:
     return found
 
 
+def _volume() -> dict[str, Sheet]:
+    """Discs of contrast 2 whose volume changes, by their bulk modulus over the shear modulus, or is kept."""
+    found = {}
+    for load in ("clamped_y", "biaxial"):
+        for bulk in BULK:
+            kind, further = ("neo_hookean", {}) if bulk is None else ("compressible", {"bulk": bulk})
+            changed = {"kind": kind, "shape": "disc", "load": load, "across": 0.8, "points": FEW_POINTS}
+            found[f"{load}_{'kept' if bulk is None else format(bulk, 'g')}"] = _sheet(
+                len(found) + 1, 2.0, further, **changed
+            )
+    return found
+
+
 #: Study -> its sheets by name.
-STUDIES = {"seen": _seen, "records": _records, "laws": _laws}
+STUDIES = {"seen": _seen, "records": _records, "laws": _laws, "volume": _volume}
