@@ -168,8 +168,8 @@ def check_rest(
     return [
         Finding(
             f"{sentence}is it the zero of the load cell, --set force_offset={force[0]:.4g}; a preload, whose forces "
-            "are then those of the same stretch from rest, --set force_offset=0; or is the sheet pulled already, so that the clocks "
-            "differ, --set first_frame_time=SECONDS?",
+            "are then those of the same stretch from rest, --set force_offset=0; or is the sheet pulled already, so "
+            "that the clocks differ, --set first_frame_time=SECONDS?",
             True,
         )
     ]
