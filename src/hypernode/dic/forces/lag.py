@@ -27,10 +27,9 @@ def without_lag(
     """(the pulls in the clock of the frames, a sentence where it was moved).
 
     A record that is late stands while the sheet is stretched already, and then begins at once. A sheet that is
-    stretched in its first picture has the force that the configuration says is none of the load cell's zero: the force
-    of the same elongation from rest is earlier in the record. A material that is soft at first begins gradually, and a
-    zero that is off is said to be none. Of tests with two forces, and of a force that is late against the crosshead of
-    its own record, nothing is taken out.
+    stretched in its first picture has a force there, and the configuration says that it is none of the load cell's
+    zero. The force of the same elongation from rest is earlier in the record. A material that is soft at first begins
+    gradually. Tests with two forces are left alone, and so is a force that is late against its own crosshead.
 
     Args:
         test: which of its keys tell the clock, and the zero.
