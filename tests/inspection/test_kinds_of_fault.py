@@ -221,6 +221,9 @@ def test_a_record_that_stands_while_the_sheet_is_stretched_is_read_later(folder,
     case = found.sheet.cases[0]
     wrong = np.abs(case.force[1, 1] / force_at(np.array(SIZES)[case.numbers]) - 1.0)
     assert (wrong <= 2.0 * case.pairing).all() and (case.pairing < 0.05).all()
+    # A configuration that is stored names every key.
+    assert case.test.first_frame_time == 0.0
+    assert "forces are read" in said(plain(folder, force=late(seconds), crosshead=False, first_frame_time=0.0))
     assert "read" not in said(plain(folder, force=late(seconds), crosshead=False, force_time_offset=0))
 
 

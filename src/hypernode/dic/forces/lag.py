@@ -36,7 +36,7 @@ def without_lag(
         pulls: by component, in the clock as the configuration has it.
         series: the frames.
     """
-    given = test.force_time_offset is not None or "first_frame_time" in test.model_fields_set
+    given = test.force_time_offset is not None or test.first_frame_time != 0.0
     if given or len(pulls) != 1:
         return pulls, []
     ((part, pull),) = pulls.items()
