@@ -224,7 +224,9 @@ def test_a_record_that_stands_while_the_sheet_is_stretched_is_read_later(folder,
     # A configuration that is stored names every key.
     assert case.test.first_frame_time == 0.0
     assert "forces are read" in said(plain(folder, force=late(seconds), crosshead=False, first_frame_time=0.0))
-    assert "read" not in said(plain(folder, force=late(seconds), crosshead=False, force_time_offset=0))
+    confirmed = float(re.search(r"--set force_time_offset=([0-9.]+) says", said(found))[1])
+    for offset in (0, confirmed):
+        assert "read" not in said(plain(folder, force=late(seconds), crosshead=False, force_time_offset=offset))
 
 
 @pytest.mark.parametrize("elongation", [0.01, 0.03])

@@ -69,7 +69,8 @@ def _sentence(paired: Pairing, late: bool) -> str:
     else:
         what = f"the sheet is stretched in its first picture by as much as in {frames:.2g} frames of the test"
     taken = f"forces are read {abs(paired.seconds):.3g} s {'later' if late else 'earlier'}"
-    return f"{what}, and {taken}; --set force_time_offset=0 reads them as the clock has it"
+    keys = f"--set force_time_offset={paired.seconds:.3g} says that it is so, and 0 reads them as the clock has it"
+    return f"{what}, and {taken}; {keys}"
 
 
 def _stands_then_begins(pull: PullRecord, begin: float, paired: Pairing) -> bool:
