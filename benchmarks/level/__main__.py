@@ -4,7 +4,8 @@ Sheets are computed by other finite elements than the project's (``benchmarks/st
 identified by method ``field``. A sheet that has a score with the same further keys is not run again.
 
 Usage: python -m benchmarks.level STUDY [NAME ...] [--cores 2] [--to .cache/level] [--set KEY=VALUE]
-STUDY is ``seen``, ``records`` or ``laws`` (benchmarks/level/designs.py); NAME is a part of the names of its sheets.
+STUDY is ``seen``, ``records``, ``laws`` or ``volume`` (benchmarks/level/designs.py); NAME is a part of the names of
+its sheets.
 """
 
 import argparse
@@ -36,9 +37,10 @@ def row_of(study: str, name: str, folder: Path, changed: dict) -> dict:
 def _line(row: dict) -> str:
     """One sheet: level over the true one, its stated uncertainty, errors, refuted share, verdict."""
     within = "within" if row["within"] else "BEYOND"
+    modes = ", ".join(f"{mode} {error:.3f} +- {doubt:.3f}" for mode, (error, doubt) in row["modes"].items())
     return (
         f"{row['name']:36} level {row['level']:.3f} +- {row['stated']:.3f} {within}, tested {row['tested']:.4f}, "
-        f"refuted in {row['refuted']:.3f}, {row['verdict']} ({row['because']}), {row['cpu_s']:.0f} s"
+        f"refuted in {row['refuted']:.3f}, {row['verdict']} ({row['because']}), {row['cpu_s']:.0f} s; {modes}"
     )
 
 

@@ -1,4 +1,4 @@
-"""The sheets of three studies: seen in part, with elastic records that err, and of laws that are right or wrong."""
+"""The sheets of four studies: seen in part, records that err, laws that are right or wrong, volumes that change."""
 
 from collections.abc import Mapping
 
@@ -14,6 +14,8 @@ USUAL = {
 }
 CONTRASTS, SEEN, SHAPES = (1.0, 2.0, 5.0), (0.6, 0.8, 1.0), ("disc", "stripe")
 PRELOADS, LATE = (0.0, 0.01, 0.02), (0, 1, 3)
+#: Bulk over shear modulus; none where the volume is kept.
+BULK = (1.0, 3.0, 10.0, None)
 #: Kind of law -> its numbers beside the shear modulus.
 ELASTIC = {
     "neo_hookean": {},
@@ -21,19 +23,27 @@ ELASTIC = {
     "ogden": {"alpha": -4.0},
 }
 RIGHT = ELASTIC | {"mooney_rivlin": {"share": 0.3}, "gent": {"J": 3.0}, "arruda_boyce": {"N": 3.0}}
+#: Name -> (kind, its numbers, what else differs from a disc of contrast 2).
 WRONG = {
-    "fung": {"a1": 6.0, "a2": 12.0, "a3": 2.0, "a4": 4.0, "angle": 0.4},
-    "crossed": {"k1": 2.0, "k2": 1.0, "angle": 0.3},
-    "softening": {"n": 0.2, "power": 0.3},
+    "fung": ("fung", {"a1": 6.0, "a2": 12.0, "a3": 2.0, "a4": 4.0, "angle": 0.4}, {}),
+    "crossed": ("crossed", {"k1": 2.0, "k2": 1.0, "angle": 0.3}, {}),
+    "softening": ("softening", {"n": 0.3, "power": 0.5}, {}),
+    "yielding": ("yielding", {"start": 0.06, "share": 0.5}, {}),
+    "trellis": ("trellis", {"k": 2.0, "angle": 0.4}, {}),
+    "porous_fibres": ("porous_fibres", {"bulk": 3.0, "k1": 1.0, "angle": 0.9}, {}),
+    "turning": ("goh", {"k1": 1.0, "k2": 0.5, "kappa": 0.0, "angle": (0.3, 1.8)}, {"shape": "slope"}),
+    "creep": ("neo_hookean", {}, {"fades": 0.4}),
+    "growth": ("grown", {}, {"grows": 0.05}),
+    "thickness": ("neo_hookean", {}, {"shape": "none", "thins": 0.3}),
 }
-#: Noises of each law.
-REPEATS = 3
+#: Noises of each law, and points along a side: laws that are wrong take the longest searches.
+REPEATS, FEW_POINTS = 3, 17
 
 
 def _sheet(seed: int, contrast: float = 1.0, further: Mapping[str, float] | None = None, **changed) -> Sheet:
     phases = 1 if changed.get("shape", "none") == "none" else 2
     laws = {"mu": MODULUS * np.array([1.0, contrast])[:phases]}
-    laws |= {name: np.full(phases, value) for name, value in (further or {}).items()}
+    laws |= {name: np.broadcast_to(value, phases) for name, value in (further or {}).items()}
     return Sheet(seed=seed, laws=laws, **(USUAL | changed))
 
 
@@ -62,15 +72,29 @@ def _records() -> dict[str, Sheet]:
 
 
 def _laws() -> dict[str, Sheet]:
-    """Discs of contrast 2, of laws that a sum of convex terms can be and of laws that it cannot."""
+    """Sheets of laws that a sum of convex terms comes near, and of laws or sheets that it cannot be."""
     found = {}
-    for says, kinds in (("right", RIGHT), ("wrong", WRONG)):
-        for kind, further in kinds.items():
-            for repeat in range(REPEATS):
-                changed = {"kind": kind, "shape": "disc"}
-                found[f"{says}_{kind}_{repeat + 1}"] = _sheet(len(found) + 201, 2.0, further, **changed)
+    kinds = {f"right_{kind}": (kind, further, {}) for kind, further in RIGHT.items()}
+    kinds |= {f"wrong_{name}": each for name, each in WRONG.items()}
+    for name, (kind, further, other) in kinds.items():
+        for repeat in range(REPEATS):
+            changed = {"kind": kind, "shape": "disc", "points": FEW_POINTS} | other
+            found[f"{name}_{repeat + 1}"] = _sheet(len(found) + 1, 2.0, further, **changed)
+    return found
+
+
+def _volume() -> dict[str, Sheet]:
+    """Discs of contrast 2 whose volume changes, by their bulk modulus over the shear modulus, or is kept."""
+    found = {}
+    for load in ("clamped_y", "biaxial"):
+        for bulk in BULK:
+            kind, further = ("neo_hookean", {}) if bulk is None else ("compressible", {"bulk": bulk})
+            changed = {"kind": kind, "shape": "disc", "load": load, "across": 0.8, "points": FEW_POINTS}
+            found[f"{load}_{'kept' if bulk is None else format(bulk, 'g')}"] = _sheet(
+                len(found) + 1, 2.0, further, **changed
+            )
     return found
 
 
 #: Study -> its sheets by name.
-STUDIES = {"seen": _seen, "records": _records, "laws": _laws}
+STUDIES = {"seen": _seen, "records": _records, "laws": _laws, "volume": _volume}

@@ -36,6 +36,9 @@ class Sheet:
         force_gain: its relative error that all forces share.
         preload: mean strain along y that the sheet has in the first picture.
         late: frames by which the clock of the record is late.
+        fades: share of its stiffness that the last law loses in the course of the test.
+        grows: share of its size by which the last law grows in its course.
+        thins: relative thickness at the right side less that at the left.
     """
 
     seed: int
@@ -55,6 +58,22 @@ class Sheet:
     force_zero: float
     preload: float = 0.0
     late: float = 0.0
+    fades: float = 0.0
+    grows: float = 0.0
+    thins: float = 0.0
+
+    def laws_at(self, amount: float) -> dict[str, np.ndarray]:
+        """Parameters of the laws at a share of the largest load, which stands for a time."""
+        changed = dict(self.laws)
+        if self.fades:
+            changed["mu"] = changed["mu"] * np.r_[np.ones(self.phases - 1), 1.0 - self.fades * amount]
+        if self.grows:
+            changed["grown"] = np.r_[np.ones(self.phases - 1), 1.0 + self.grows * amount]
+        return changed
+
+    def relative_thickness(self, X) -> np.ndarray:
+        """Over the mean one (point, 1), at positions [mm] (point, 2)."""
+        return 1.0 + self.thins * (np.asarray(X)[:, :1] / SIDE - 0.5)
 
     @property
     def phases(self) -> int:

@@ -14,6 +14,8 @@ import numpy as np
 _LOCKED = 1.0 - 1e-9
 #: Series of the inverse Langevin function: coefficients of (I1^n - 3^n) / N^(n - 1).
 _CHAIN = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)
+#: Newton steps to the thickness of a compressible sheet.
+_NEWTON = 8
 
 
 def _invariants(C):
@@ -100,6 +102,43 @@ def softening(C, p):
     return p["mu"] * p["n"] / (2.0 * p["power"]) * ((1.0 + E / p["n"]) ** p["power"] - 1.0)
 
 
+def yielding(C, p):
+    """Neo-Hookean until E = I1 - 3 is start, then with a share of the stiffness: mu / 2 (E - (1 - share) ramp)."""
+    E = _invariants(C)[0] - 3.0
+    # The ramp bends over half of where it starts, so that Newton's method has a tangent.
+    width = 0.5 * p["start"]
+    return p["mu"] / 2 * (E - (1.0 - p["share"]) * width * jax.nn.softplus((E - p["start"]) / width))
+
+
+def trellis(C, p):
+    """mu / 2 (I1 - 3) + mu k / 2 C12^2 in axes at an angle: a fabric that resists shear along its yarns."""
+    along = jnp.array([jnp.cos(p["angle"]), jnp.sin(p["angle"])])
+    across = jnp.array([-along[1], along[0]])
+    return neo_hookean(C, p) + p["mu"] * p["k"] / 2 * (along @ C @ across) ** 2
+
+
+def compressible(C, p):
+    """mu / 2 (tr C + s^2 - 3 - 2 ln J) + (bulk - 2/3) mu / 2 ln^2 J, with a thickness stretch s that is free."""
+    area, lame = jnp.log(jnp.linalg.det(C)) / 2, p["bulk"] - 2.0 / 3.0
+    thin = -lame / (lame + 2.0) * area
+    for _ in range(_NEWTON):
+        # d energy / d ln s = s^2 - 1 + lame ln J = 0.
+        thin = thin - (jnp.exp(2.0 * thin) - 1.0 + lame * (area + thin)) / (2.0 * jnp.exp(2.0 * thin) + lame)
+    J = area + thin
+    return p["mu"] / 2 * (jnp.trace(C) + jnp.exp(2.0 * thin) - 3.0 - 2.0 * J + lame * J**2)
+
+
+def porous_fibres(C, p):
+    """A compressible matrix with one family of fibres, mu k1 / 2 (stretch^2 - 1)^2 where it is pulled."""
+    fibre = jnp.array([jnp.cos(p["angle"]), jnp.sin(p["angle"])])
+    return compressible(C, p) + p["mu"] * p["k1"] / 2 * jnp.maximum(fibre @ C @ fibre - 1.0, 0.0) ** 2
+
+
+def grown(C, p):
+    """A neo-Hookean sheet that is at rest when it is larger in its plane by a factor."""
+    return p["grown"] ** 2 * neo_hookean(C / p["grown"] ** 2, p)
+
+
 #: Kind -> (energy, bounds between which its parameters besides mu are drawn).
 LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
     "neo_hookean": (neo_hookean, {}),
@@ -112,7 +151,10 @@ LAWS: dict[str, tuple[Callable, dict[str, tuple[float, float]]]] = {
 }
 
 #: Laws that seeds do not draw, since no sum of convex isotropic terms and one family of fibres comes near.
-WRONG: dict[str, Callable] = {"fung": fung, "crossed": crossed, "softening": softening}
+WRONG: dict[str, Callable] = {
+    **{"fung": fung, "crossed": crossed, "softening": softening, "yielding": yielding, "trellis": trellis},
+    **{"porous_fibres": porous_fibres, "grown": grown},
+}
 
 
 def plane_strain(C, p):
@@ -128,7 +170,7 @@ def linear(C, p):
 
 
 #: Laws of sheets that no seed stands for.
-FURTHER: dict[str, Callable] = {"plane_strain": plane_strain, "linear": linear}
+FURTHER: dict[str, Callable] = {"plane_strain": plane_strain, "linear": linear, "compressible": compressible}
 
 
 def energy(kind: str, laws: dict, F, weight):

@@ -88,15 +88,16 @@ class _System:
         self.gradients = np.stack([each[0].grad for each in basis.basis]).transpose(2, 3, 0, 1)
         self.measure = np.asarray(basis.dx)
         X = np.asarray(basis.global_coordinates()).transpose(1, 2, 0)
-        self.weights = sheet.weights(X.reshape(-1, 2)).reshape(*X.shape[:2], -1)
+        weights = sheet.weights(X.reshape(-1, 2)) * sheet.relative_thickness(X.reshape(-1, 2))
+        self.weights = weights.reshape(*X.shape[:2], -1)
         self.nodes = basis.element_dofs.T
         self.dofs = (2 * self.nodes[:, :, None] + np.arange(2)).reshape(len(self.nodes), -1)
         self.X = basis.doflocs.T
 
-    def response(self, u):
-        """(force (node, 2), tangent) at displacements (node, 2)."""
+    def response(self, u, amount: float):
+        """(force (node, 2), tangent) at displacements (node, 2) and a share of the largest load."""
         forces, stiffness = _response(
-            self.sheet.kind, self.sheet.laws, self.weights, self.gradients, self.measure, u[self.nodes]
+            self.sheet.kind, self.sheet.laws_at(amount), self.weights, self.gradients, self.measure, u[self.nodes]
         )
         width, size = self.dofs.shape[1], u.size
         force = np.bincount(self.dofs.ravel(), np.asarray(forces).ravel(), size).reshape(-1, 2)
@@ -127,22 +128,22 @@ def solve(sheet: Sheet, loads: int = 6) -> Equilibria:
     amounts = np.arange(1, loads + 1) / loads
     u, before, found, forces = affine, 1.0, [], []
     for amount in amounts:
-        u = _equilibrium(system, u * (amount / before), held, free)
-        force, _ = system.response(u)
+        u = _equilibrium(system, u * (amount / before), held, free, amount)
+        force, _ = system.response(u, amount)
         found.append(u)
         forces.append([force[system.X[:, axis] > SIDE - 1e-9, axis].sum() for axis in range(2)])
         before = amount
     return Equilibria(amounts, system.basis, np.array(found), np.array(forces))
 
 
-def _equilibrium(system: _System, u, held, free):
+def _equilibrium(system: _System, u, held, free, amount: float):
     """The displacement in equilibrium that moves held nodes as ``u`` does.
 
     The first tangent is factorised; conjugate gradients with it solve the systems of the later ones.
     """
     factor = None
     for _ in range(25):
-        force, tangent = system.response(u)
+        force, tangent = system.response(u, amount)
         residual = force.ravel()[free]
         if np.linalg.norm(residual) < TOLERANCE * np.linalg.norm(force.ravel()[held]):
             return u
@@ -153,17 +154,17 @@ def _equilibrium(system: _System, u, held, free):
         else:
             inverse = scipy.sparse.linalg.LinearOperator(tangent.shape, factor.solve)
             change, _ = cg(tangent, residual, rtol=1e-5, maxiter=60, M=inverse)
-        u = _moved(system, u, free, change, np.linalg.norm(residual))
+        u = _moved(system, u, free, change, np.linalg.norm(residual), amount)
     raise NoEquilibrium(f"seed {system.sheet.seed}: no equilibrium")
 
 
-def _moved(system: _System, u, free, change, size):
+def _moved(system: _System, u, free, change, size, amount: float):
     """``u`` less a change, or as much of it as does not double the residual."""
     for halvings in range(6):
         new = u.copy().ravel()
         new[free] -= change / 2**halvings
         new = new.reshape(-1, 2)
-        found = np.linalg.norm(system.response(new)[0].ravel()[free])
+        found = np.linalg.norm(system.response(new, amount)[0].ravel()[free])
         if np.isfinite(found) and found < 2.0 * size:
             return new
     raise NoEquilibrium(f"seed {system.sheet.seed}: no step lowers the residual")

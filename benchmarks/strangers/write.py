@@ -143,14 +143,16 @@ def write_truth(sheet: Sheet, equilibria: Equilibria, file: Path) -> None:
     stretches = 1.0 + sheet.top * np.array(PROBED)
     modes = np.array([[mode(s) for s in stretches] for mode in MODES.values()])
     mode_F = np.broadcast_to(modes[:, :, None], (*modes.shape[:2], len(centres), 2, 2))
-    weights = sheet.weights(centres)
+    weights, shares = sheet.weights(centres), equilibria.amount[chosen]
     np.savez(
         file,
         X=centres - ticks[0],
         whole=sheet.whole(centres, sheet.step / 2),
         inner=inner.ravel(),
         F=F,
-        P=stress(sheet.kind, sheet.laws, F, weights),
+        P=np.concatenate(
+            [stress(sheet.kind, sheet.laws_at(a), f[None], weights) for a, f in zip(shares, F, strict=True)]
+        ),
         mode_F=mode_F,
-        mode_P=stress(sheet.kind, sheet.laws, mode_F, weights),
+        mode_P=stress(sheet.kind, sheet.laws_at(0.0), mode_F, weights),
     )

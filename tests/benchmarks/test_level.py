@@ -5,7 +5,10 @@ import json
 from benchmarks.level import __main__ as level
 from benchmarks.strangers import running
 
-SCORE = {"level": 1.0, "stated": 0.1, "within": True, "tested": 0.0, "refuted": 0.0, "verdict": "passed", "cpu_s": 1.0}
+SCORE = {
+    **{"level": 1.0, "stated": 0.1, "within": True, "tested": 0.0, "refuted": 0.0, "verdict": "passed", "cpu_s": 1.0},
+    "modes": {"shear": [0.02, 0.03]},
+}
 
 
 def test_a_score_with_other_keys_changed_is_run_again(tmp_path, monkeypatch):

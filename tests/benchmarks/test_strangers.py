@@ -51,10 +51,31 @@ def test_stress_vanishes_at_rest_and_the_shear_modulus_is_the_one_that_is_stated
 
 @pytest.mark.parametrize("kind", WRONG)
 def test_laws_that_no_basis_has_are_free_of_stress_at_rest_and_carry_a_pull(kind):
-    laws = {"mu": np.array([MU])} | {name: np.array([value]) for name, value in designs.WRONG[kind].items()}
+    further = next((numbers for of, numbers, _ in designs.WRONG.values() if of == kind), {})
+    laws = {"mu": np.array([MU]), "grown": np.ones(1)} | {name: np.array([value]) for name, value in further.items()}
     rest, pulled = stress(kind, laws, np.array([np.eye(2), np.diag([1.0, 1.2])]), np.ones((2, 1)))
     np.testing.assert_allclose(rest, 0.0, atol=1e-12)
     assert pulled[1, 1] > 0.05 * MU
+
+
+def test_a_compressible_sheet_is_free_of_stress_across_and_keeps_its_volume_where_that_is_stiff():
+    F, laws = np.array([np.diag([1.05, 1.2])]), {"mu": np.array([MU])}
+    stiff, kept = (
+        stress(kind, laws | {"bulk": np.array([1e5])}, F, np.ones((1, 1))) for kind in ("compressible", "neo_hookean")
+    )
+    np.testing.assert_allclose(stiff, kept, rtol=1e-3, atol=1e-6)
+    # With no stress across, P_x l_x - P_y l_y is mu (l_x^2 - l_y^2), whatever the volume.
+    soft = stress("compressible", laws | {"bulk": np.array([1.0])}, F, np.ones((1, 1)))[0]
+    assert soft[0, 0] * 1.05 - soft[1, 1] * 1.2 == pytest.approx(MU * (1.05**2 - 1.2**2), rel=1e-6)
+    assert soft[1, 1] < kept[0, 1, 1]
+
+
+def test_a_law_that_fades_or_grows_does_so_with_the_load_and_a_thickness_from_side_to_side():
+    sheet = dataclasses.replace(PLAIN, laws={"mu": np.array([MU, MU])}, fades=0.4, grows=0.1, thins=0.3)
+    half = sheet.laws_at(0.5)
+    np.testing.assert_allclose(half["mu"], [MU, 0.8 * MU])
+    np.testing.assert_allclose(half["grown"], [1.0, 1.05])
+    np.testing.assert_allclose(sheet.relative_thickness([[0.0, 0.0], [SIDE, 1.0]]).ravel(), [0.85, 1.15])
 
 
 CHAIN = list(enumerate((1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750), start=1))

@@ -159,6 +159,8 @@ def test_parts_add_by_squares_and_a_zero_weighs_more_in_small_forces():
             "thickness": 0.02,
             "pixel size": 0.0,
             SHARE: 0.0,
+            "preload": 0.0,
+            "camera motion": 0.0,
             "relaxation": 0.03,
             "pairing": 0.0,
         }
@@ -182,6 +184,15 @@ def test_doubt_has_the_parts_of_the_cross_section_that_no_sample_knows():
     assert level_beside_samples(level_budget(measured(0.6), stress)) == pytest.approx(0.02)
     assert level_beside_samples(level_budget(measured(1.0), stress)) == pytest.approx(np.hypot(0.02, 0.005))
     assert level_beside_samples(None) == 0.0
+
+
+def test_a_preload_and_a_camera_that_comes_nearer_make_strains_wrong():
+    stress = np.tile(np.diag([0.0, 1.0]), (2, CELLS**2, 1, 1))
+    record = measured(0.6, preload=0.015, camera_distance_uncertainty=1e-3)
+    parts = {part.name: part.level for part in level_budget(record, stress).parts}
+    # A thousandth is a hundredth of the first strain, 0.1, and half of that of the second.
+    assert parts["preload"] == 0.015 and parts["camera motion"] == pytest.approx(0.0075)
+    assert level_beside_samples(level_budget(record, stress)) == pytest.approx(np.hypot(0.02, np.hypot(0.015, 0.0075)))
 
 
 def test_where_all_is_seen_the_section_is_measured_in_pixels():

@@ -52,8 +52,12 @@ def measurement(clean):
     return believed(clean, NOISE)
 
 
-def constrained(noisy=True, law=(0.002, 0.003), deformation=0.1, **left_out):
-    attributes = {"observed_displacements": COUNT, "noise_rules_displacements": json.dumps(noisy)}
+def constrained(noisy=True, law=(0.002, 0.003), deformation=0.1, sigma=NOISE, **left_out):
+    attributes = {
+        "displacement_sigma": sigma,
+        "observed_displacements": COUNT,
+        "noise_rules_displacements": json.dumps(noisy),
+    }
     attributes["noise_deformation"] = deformation
     predicted = {"steps": [1], "observed": 1800, "displacement": 1.01, "force": 1.2} | left_out
     attributes["left_out"] = json.dumps(predicted)
@@ -117,6 +121,16 @@ def test_a_run_that_did_not_converge_fails_only_where_it_does_not_explain_the_di
             verdict = judged(measurement, ending=ending, displacement_misfit=misfit)
             assert level(verdict, "convergence") is wanted
             assert ending in criterion(verdict, "convergence").sentence
+
+
+def test_cells_of_their_own_that_leave_more_than_noise_warn_although_elements_may_err_as_much(measurement, clean):
+    coarse = constrained(noisy=False, sigma=15.0 * NOISE)
+    missed = judged(measurement, coarse, displacement_misfit=0.2)
+    assert level(missed, "displacements") is Level.WARNED
+    assert "3 times their noise" in criterion(missed, "displacements").sentence
+    for field, numbers in ((coarse, 0.05), (coarse.assign_attrs(materials=2), 0.2)):
+        assert level(judged(measurement, field, displacement_misfit=numbers), "displacements") is Level.PASSED
+    assert level(judged(clean, coarse, displacement_misfit=0.2), "displacements") is Level.PASSED
 
 
 def test_the_misfit_of_noise_may_exceed_one_by_chance_and_no_more(measurement):

@@ -10,7 +10,9 @@ from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.gauss_newton import descend
 from hypernode.identification.local_misfit import local_misfit
+from hypernode.identification.observations import observe
 from hypernode.identification.problem import field_problem
+from hypernode.identification.settings import STRATEGY
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
@@ -74,3 +76,10 @@ def test_a_place_that_is_missed_is_found_where_it_is_although_the_mean_hides_it(
 def test_without_noise_no_place_is_judged():
     data, _, _ = sheet(5, square, LOAD, terms=())
     assert local_misfit(descend(field_problem(data, SETTINGS), SETTINGS, "square", None, 0.0)) is None
+
+
+@pytest.mark.parametrize("at_lines", [True, False])
+def test_where_elements_err_more_than_noise_a_place_is_judged_if_they_do_so_beside_lines_alone(at_lines):
+    data, _, _ = sheet(12, square, LOAD, noise=NOISE, terms=())
+    observations = observe(data.assign_attrs(mesh="finer"), 1, STRATEGY, floor=2.0 * NOISE, at_lines=at_lines)
+    assert not observations.noisy and bool(observations.by_places) is at_lines

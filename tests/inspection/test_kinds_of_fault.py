@@ -205,20 +205,38 @@ def late(seconds):
     return np.where(seconds < TIME, force_at(0.025 * np.maximum(TIME - seconds, 0.0)), 0.0)
 
 
-@pytest.mark.parametrize("crosshead", [True, False])
 @pytest.mark.parametrize("seconds", [0.3, 1.0])
-def test_a_record_that_is_late_by_less_than_its_clocks_tell_is_said_with_the_lag(folder, seconds, crosshead):
-    found = plain(folder, force=late(seconds), crosshead=crosshead)
+def test_a_force_that_is_late_against_its_crosshead_is_said_with_the_lag(folder, seconds):
+    found = plain(folder, force=late(seconds))
     told = float(re.search(r"--set force_time_offset=([0-9.]+) takes", said(found))[1])
     assert told == pytest.approx(seconds, abs=0.06)
     assert steps(plain(folder, force=late(seconds), force_time_offset=seconds, frames=[2, 4, 6]))
 
 
-def test_pictures_that_are_named_a_number_too_early_are_said_where_their_number_does_not_show_it(folder):
-    rows = [f"Image_{k:04d}_0.tiff;{k:.3f};{force_at(e):.5f}" for k, e in enumerate((0.0, *SIZES[:-1]))]
-    assert "--set picture_shift=1 takes them so" in said(seen(folder, "File;TimeStamp;Force [N]", rows))
-    found = seen(folder, "File;TimeStamp;Force [N]", rows, picture_shift=1, frames=[2, 4, 7])
-    assert steps(found)[-1] == 7 and not said(found)
+@pytest.mark.parametrize("seconds", [0.3, 1.0, 2.2])
+def test_a_record_that_stands_while_the_sheet_is_stretched_is_read_later(folder, seconds):
+    found = plain(folder, force=late(seconds), crosshead=False)
+    told = float(re.search(r"forces are read ([0-9.]+) s later", said(found))[1])
+    assert told == pytest.approx(seconds, abs=0.06)
+    case = found.sheet.cases[0]
+    wrong = np.abs(case.force[1, 1] / force_at(np.array(SIZES)[case.numbers]) - 1.0)
+    assert (wrong <= 2.0 * case.pairing).all() and (case.pairing < 0.05).all()
+    # A configuration that is stored names every key.
+    assert case.test.first_frame_time == 0.0
+    assert "forces are read" in said(plain(folder, force=late(seconds), crosshead=False, first_frame_time=0.0))
+    confirmed = float(re.search(r"--set force_time_offset=([0-9.]+) says", said(found))[1])
+    for offset in (0, confirmed):
+        assert "read" not in said(plain(folder, force=late(seconds), crosshead=False, force_time_offset=offset))
+
+
+@pytest.mark.parametrize("elongation", [0.01, 0.03])
+def test_a_sheet_that_is_stretched_in_its_first_picture_has_the_forces_of_one_from_rest(folder, elongation):
+    preloaded = force_at(0.025 * TIME + elongation)
+    case = plain(folder, force=preloaded, crosshead=False, force_offset=0).sheet.cases[0]
+    true = force_at(np.array(SIZES)[case.numbers])
+    as_recorded, wrong = preloaded[10 * case.numbers] / true - 1.0, np.abs(case.force[1, 1] / true - 1.0)
+    assert (wrong < 0.2 * as_recorded).all() and (wrong <= 2.0 * case.pairing).all()
+    assert case.preload == pytest.approx(elongation, rel=0.2)
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05, -0.05])
@@ -239,6 +257,7 @@ def test_a_pairing_that_nothing_tells_is_uncertain_by_a_frame(folder):
 
 
 @pytest.mark.parametrize("law", [lambda e: np.expm1(20.0 * e), lambda e: e**2, lambda e: np.tanh(e / 0.02)])
-def test_a_sheet_that_stiffens_or_yields_at_once_is_no_lag_of_clocks(folder, law):
-    found = plain(folder, force=0.5 * law(0.025 * TIME), crosshead=False)
-    assert "the force begins" not in said(found)
+@pytest.mark.parametrize("offset", [None, 0.0])
+def test_a_sheet_that_stiffens_or_yields_at_once_is_no_lag_of_clocks(folder, law, offset):
+    found = plain(folder, force=0.5 * law(0.025 * TIME), crosshead=False, force_offset=offset)
+    assert "the force begins" not in said(found) and "forces are read" not in said(found)

@@ -27,12 +27,12 @@ def bar(X):
     return ((np.abs(X[:, 0] - 0.375) < 0.25) & (np.abs(X[:, 1] - 17 / 24) < 0.125)).astype(float)
 
 
-def measurement(path, inclusion, seed):
+def measurement(path, inclusion, seed, **further):
     data, _ = observed_coarsely(CELLS, inclusion, LOAD, 0.0)
     path.with_suffix(".npy").write_bytes(data["u_measured"].values[0].tobytes())
     noise = np.random.default_rng(seed).normal(0.0, NOISE, data["u_measured"].shape)
     data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE)
-    attributes = data.attrs | {"mesh": "finer", "noise_uncertainty": 0.05, "units": EXPERIMENT_UNITS}
+    attributes = data.attrs | {"mesh": "finer", "noise_uncertainty": 0.05, "units": EXPERIMENT_UNITS} | further
     write(path, {name: each.values for name, each in data.variables.items()}, "sheet", attributes)
 
 
@@ -134,6 +134,13 @@ def test_laws_in_other_units_than_the_sheet_are_refused(folder, monkeypatch, cap
     measurement(folder / "pascal.nc", bar, 5)
     assert main(["predict", str(folder / "pascal.nc"), "--laws", f"{folder / 'run'}:1"]) == 2
     assert "the same units" in capsys.readouterr().err
+
+
+def test_laws_of_thin_sheets_predict_no_thick_body(folder, capsys):
+    measurement(folder / "thick.nc", bar, 5, plane="strain")
+    assert main(["predict", str(folder / "thick.nc"), "--laws", f"{folder / 'run'}:1"]) == 2
+    said = capsys.readouterr().err
+    assert "plane stress" in said and "plane strain" in said
 
 
 @pytest.mark.parametrize(

@@ -165,7 +165,8 @@ class SpecimenTest(Section):
     """Time of the first frame in the clock of the force record [s]."""
     force_time_offset: Union[float, Literal["estimate"], None] = None
     """Seconds by which the force record's clock is ahead of the times of the frames, or estimate, which takes it from
-    the motion that both show. Where it is left out, clocks that disagree are an error."""
+    the motion that both show. Where it is left out, a lag that the curve of force and stretch tells is taken out, and
+    clocks that disagree are an error."""
     force_offset: Union[float, dict[Axis, float], None] = None
     """What the force record reads before the sheet pulls [N], or along each axis; it is subtracted. Left out, it is
     zero, and a record that reads something else at the first frame is refused; 0 takes that for a preload."""

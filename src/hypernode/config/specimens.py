@@ -33,6 +33,9 @@ class Specimen(SpecimenTest):
     pixel_size_uncertainty: Fraction = 0.005
     """That of the pixel size, which the level follows where the points reach over the whole sheet: half a per cent of a
     scale in the picture."""
+    camera_distance_uncertainty: Fraction = 0.0002
+    """That of the distance between camera and sheet in the course of a test, over the distance: every strain is off by
+    as much. A surface that moves by a tenth of a millimetre, seen from half a metre."""
     thickness_map: str | None = None
     """Table of the thickness from place to place: columns x, y, thickness [mm], from the lower left corner of the
     measured field."""

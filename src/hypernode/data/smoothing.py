@@ -2,11 +2,12 @@
 
 A curve is the likelier the less it is bent, and a kink is bent without bound. One weight of roughness for a whole edge
 then follows a kink too little and the noise elsewhere too much. So a kink that the values show is taken out of the
-roughness. Between two points it lies anywhere: two hinges, one at each, make every kink between them. Kinks are told
-one at a time: two of about the same size stay roughness.
+roughness. Between two points it lies anywhere: two hinges, one at each, make every kink between them. Where an
+inclusion crosses the edge there are two of about the same size, of which neither shows alone: they are sought together.
 """
 
 import functools
+import math
 
 import numpy as np
 import scipy.linalg
@@ -22,6 +23,8 @@ SMALLEST_ERROR = 0.1
 NEVER = 3.0
 #: Fall of minus twice the likelihood within which another place of a kink is as good: two standard deviations squared.
 PLACED = 4.0
+#: Highest peaks of a lone kink's gain at which one of two is looked for.
+PEAKS = 4
 #: Places of kinks beyond which no more are looked for.
 MOST = 6
 
@@ -82,12 +85,14 @@ def _smoothed(x: tuple[float, ...], values: tuple[float, ...], noise: float):
     bent, amounts = bending[2:], modes[:, 2:].T @ np.array(values) / noise
     kinks: list[int] = []
     log_weight, unlikely, gains = _likeliest(bent, amounts, in_modes, kinks)
-    limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / max(len(x) - 3, 1), 2)
     while len(kinks) < MOST and gains.size and gains.max() > 0.0:
         more = [*kinks, int(np.argmax(gains))]
-        if unlikely - _likeliest(bent, amounts, in_modes, more)[1] < limit:
+        if unlikely - _likeliest(bent, amounts, in_modes, more)[1] >= _limit(len(x), 1):
+            kinks = more[:-1] + _places(gains)
+        elif (pair := _pair(bent, amounts, in_modes, kinks, gains, unlikely - _limit(len(x), 2))) is not None:
+            kinks = [*kinks, *pair]
+        else:
             break
-        kinks = [*kinks, *_places(gains)]
         log_weight, unlikely, gains = _likeliest(bent, amounts, in_modes, kinks)
     weight = np.exp(log_weight)
     if not kinks:
@@ -107,6 +112,33 @@ def _kept(*arrays):
     for each in arrays:
         each.flags.writeable = False
     return arrays
+
+
+def _limit(points: int, kinks: int) -> float:
+    """Gain that some kinks together have by chance, anywhere along an edge, once in 700 edges."""
+    anywhere = math.comb(max(points - 3, kinks), kinks)
+    return float(scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / anywhere, 2 * kinks))
+
+
+def _pair(bent, amounts, hinges, kinks: list[int], gains, least: float) -> list[int] | None:
+    """Places of two more kinks of which neither shows alone, as where an inclusion crosses the edge; None if none do.
+
+    Args:
+        bent, amounts, hinges, kinks: of :func:`_likeliest`.
+        gains: of each further kink alone.
+        least: minus twice the likelihood that the pair has to reach.
+    """
+    peaks = np.flatnonzero((gains >= np.append(gains[1:], 0.0)) & (gains >= np.append(0.0, gains[:-1])) & (gains > 0.0))
+    found = None
+    for first in peaks[np.argsort(-gains[peaks])][:PEAKS]:
+        beside = _likeliest(bent, amounts, hinges, [*kinks, int(first)])[2]
+        second = int(np.argmax(beside))
+        before = _likeliest(bent, amounts, hinges, [*kinks, second])[2]
+        pair = [*_places(before), *_places(beside)]
+        unlikely = _likeliest(bent, amounts, hinges, [*kinks, int(np.argmax(before)), second])[1]
+        if unlikely <= least:
+            least, found = unlikely, list(dict.fromkeys(pair))
+    return found
 
 
 def _places(gains: Float[np.ndarray, " place"]) -> list[int]:

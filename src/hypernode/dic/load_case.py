@@ -41,6 +41,7 @@ class LoadCase:
         u: displacement since the reference, NaN where a point was lost.
         force: by component (i, J) the force along i across the whole sheet's section normal to J (step,).
         pairing: uncertainty of each force by that of the frame to which it belongs, over its size (step,).
+        preload: mean strain of the first picture that forces were taken for.
         relaxation: what of the force is a matter of time.
         camera_angle: by which the camera was turned against the reference, and which is taken out [rad] (step,).
         noise: of the displacements, in mm.
@@ -58,6 +59,7 @@ class LoadCase:
     u: Float[np.ndarray, "step row column 2"]
     force: dict[Component, Float[np.ndarray, " step"]]
     pairing: Float[np.ndarray, " step"]
+    preload: float
     relaxation: Relaxation
     camera_angle: Float[np.ndarray, " step"]
     noise: StepNoise
@@ -97,6 +99,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
         time=found.time,
         force=found.force,
         pairing=found.pairing,
+        preload=max(pull.preload for pull in found.pulls.values()),
         relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
         findings=(*case.findings, *strange, *found.findings),
@@ -149,6 +152,7 @@ def _without_force(
         u=u,
         force={},
         pairing=np.zeros(len(numbers)),
+        preload=0.0,
         relaxation=ELASTIC,
         camera_angle=np.array([angles[number] for number in numbers]),
         noise=noise_of(test, series, numbers, mm),

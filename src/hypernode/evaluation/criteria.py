@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
-from hypernode.data.measurement import force_uncertainty, is_cut_out
+from hypernode.data.measurement import displacement_noise, force_uncertainty, is_cut_out
 from hypernode.evaluation.compression import judge_compression
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places, of_few_numbers
@@ -45,7 +45,7 @@ def judge_run(
     uncertainty = max(float(force_uncertainty(measurement).max()), settings.force_uncertainty)
     uncertainty = math.hypot(uncertainty, level_of(budget, SHARE))
     force = Threshold(settings.force.warn * uncertainty, settings.force.fail * uncertainty)
-    explained = judge_displacements(summary, constrained, settings)
+    explained = judge_displacements(summary, constrained, displacement_noise(measurement), settings)
     return Verdict(
         (
             _convergence(summary, explained),

@@ -100,7 +100,7 @@ def judge(files: Mapping[str, xr.Dataset], kind: str, stretches, printed: Printe
     judged |= score_polish(files["material"])
     budget = level_budget(measurement, judged.variables["P_field"])
     if budget is not None:
-        judged |= Judgement(summary={"level_uncertainty": budget.level})
+        judged |= Judgement(summary={"level_uncertainty": budget.level}, budget=budget)
     if samples is not None:
         found_phase = phases.variables["phase_found"]
         cut = 0.0 if is_on_its_own_grid(measurement) else spread_of_cut_cells(mesh, found_phase, field, constrained)

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from hypernode.evaluation.level_budget import LevelBudget
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -11,13 +13,16 @@ class Judgement:
     Attributes:
         variables: arrays by the name of the stored variable.
         summary: numbers by the key that tables look up.
+        budget: of the level of the stress; None where no force was recorded, or in another part.
     """
 
     variables: Mapping[str, object] = field(default_factory=dict)
     summary: Mapping[str, object] = field(default_factory=dict)
+    budget: LevelBudget | None = None
 
     def __or__(self, other: "Judgement") -> "Judgement":
         twice = self.variables.keys() & other.variables.keys() | self.summary.keys() & other.summary.keys()
         if twice:
             raise ValueError(f"judged twice: {', '.join(sorted(twice))}")
-        return Judgement({**self.variables, **other.variables}, {**self.summary, **other.summary})
+        variables, summary = {**self.variables, **other.variables}, {**self.summary, **other.summary}
+        return Judgement(variables, summary, self.budget or other.budget)

@@ -30,8 +30,8 @@ from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
-#: Inputs of the cross-section. Samples of a field know the errors of the load cell alone.
-BESIDE_SAMPLES = ("thickness", "pixel size", SHARE)
+#: Inputs of the cross-section and of the lengths. Samples of a field know the errors of the load cell alone.
+BESIDE_SAMPLES = ("thickness", "pixel size", SHARE, "preload", "camera motion")
 
 
 @dataclass(frozen=True)
@@ -98,12 +98,18 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     relaxation, pairing = (_open(measurement, name) for name in (RELAXATION_OPEN, PAIRING_OPEN))
     # A lag is one error of all steps; what relaxation leaves open differs from step to step.
     open_of = {"relaxation": float(np.sqrt(weights @ relaxation**2)), "pairing": float(weights @ pairing)}
+    # Lengths and sections are those of the first picture. Every strain has the error of the camera's distance.
+    preload, camera = (float(measurement.attrs.get(key, 0.0)) for key in ("preload", "camera_distance_uncertainty"))
+    strain = np.linalg.norm(measurement["H"].values, axis=(1, 2))
+    camera_level = float(weights @ np.divide(camera, strain, out=np.zeros_like(strain), where=strain > 0.0))
     parts = [
         Part("zero", zero, zero_level),
         Part("gain", gain, gain),
         Part("thickness", thickness, thickness),
         Part("pixel size", pixel, pixel_level),
         Part(SHARE, share, share),
+        Part("preload", preload, preload),
+        Part("camera motion", camera, camera_level),
         *(Part(key, value, value) for key, value in open_of.items()),
     ]
     return LevelBudget(tuple(parts), seen)

@@ -31,13 +31,13 @@ class LocalMisfit:
 
 
 def local_misfit(found: Estimate) -> LocalMisfit | None:
-    """Misfit of the displacements around every measured cell; None without noise or without observed displacements.
+    """Misfit of the displacements around every measured cell; None where its error is known nowhere, or of pictures.
 
     Correlated errors count as fewer independent ones, by the square of the scatter.
     """
     problem = found.problem
     observations, strategy = problem.observations, problem.strategy
-    if not (problem.noisy and observations.by_points):
+    if not observations.by_places:
         return None
     residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
     nodes = len(observations.grid.nodes)

@@ -49,6 +49,7 @@ class Observations:
         noise_uncertainty: relative uncertainty of that noise.
         believed_noise: the noise model in use.
         by_points: whether displacements of points were observed, and not grey levels of pictures.
+        by_places: whether the error of each place is known: it is noise, or that of elements beside lines as well.
         own_grid: whether the displacements are those of finite elements on this very grid, so that no interface cuts
             a cell.
         window, kernel: side of the camera's correlation window, 0 without one, and its kernel.
@@ -70,6 +71,7 @@ class Observations:
     noise_uncertainty: float
     believed_noise: BelievedNoise
     by_points: bool
+    by_places: bool
     own_grid: bool
     window: float
     kernel: str
@@ -154,7 +156,7 @@ def observe(
         noisy,
         noise_uncertainty(measurement),
         believed_noise,
-        information is None,
+        *(information is None, bool(information is None and noise > 0.0 and (noisy or at_lines))),
         own_grid,
         *correlation_window(measurement),
         BelievedWindow.read(measurement.attrs),

@@ -9,6 +9,7 @@ from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.forces.checks import check_end
 from hypernode.dic.forces.clock import ClockOffset, agreed_offset, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
+from hypernode.dic.forces.lag import without_lag
 from hypernode.dic.forces.magnitude import crosshead_agrees
 from hypernode.dic.forces.matching import Component, PullRecord, best_told, pulls_of
 from hypernode.dic.forces.record import ForceRecord
@@ -55,6 +56,7 @@ def courses(
     found = agreed_offset(offsets) if test.force_time_offset == "estimate" else None
     if found is not None:
         pulls = pulls_of(test, record, parts, clock.later(found.seconds), numbers)
+    pulls, _ = without_lag(test, pulls, series)
     return [_course(series, part, pull) for part, pull in pulls.items()], offsets
 
 

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import mesh_of
+from hypernode.data.measurement import mesh_of, plane_of
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.left_out import predict_left_out
@@ -72,6 +72,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             "trace": stored(found.trace.rows(found.trial)),
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
+            "plane": plane_of(measurement),
             "displacement_sigma": problem.sigma,
             **problem.observations.believed_noise.stored(),
             **({} if window is None else window.stored()),

@@ -16,7 +16,7 @@ from hypernode.evaluation.criteria import judge_run
 from hypernode.evaluation.doubt import doubts
 from hypernode.evaluation.judge import judge, shape_stretch
 from hypernode.evaluation.judgement import Judgement
-from hypernode.evaluation.level_budget import level_beside_samples, level_budget, table
+from hypernode.evaluation.level_budget import level_beside_samples, table
 from hypernode.evaluation.refuted import refuted
 from hypernode.evaluation.shape import PrintedShape
 from hypernode.evaluation.suspects import evidence_of, with_suspects
@@ -49,7 +49,7 @@ def run(config: Config, name: str, files: Mapping[str, str], output: str, attrib
         corners = np.array(json.loads(measurement.attrs["field_corners"]))
         shape = PrintedShape(*_printed(printed, config.specimens[case.specimen], corners))
     judged = judge(data, kind, stretches, shape)
-    budget = level_budget(measurement, judged.variables["P_field"])
+    budget = judged.budget
     largest = float(measurement["stretch"].values.max())
     doubt = doubts(data, mesh_of(measurement).centres, largest, level_beside_samples(budget))
     constrained = data.get("constrained")

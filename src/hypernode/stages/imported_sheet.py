@@ -74,6 +74,8 @@ def attributes_of(specimen: Specimen, sheet: ImportedSpecimen, corner: Float[np.
         "field_corners": (sheet.field + corner).tolist(),
         "thickness_uncertainty": specimen.thickness_uncertainty,
         "pixel_size_uncertainty": specimen.pixel_size_uncertainty,
+        "camera_distance_uncertainty": specimen.camera_distance_uncertainty,
+        "preload": max(each.preload for each in sheet.cases),
         "seen_share": sheet.shares.tolist(),
         "lost_points": sheet.lost_points,
         "forces": "measured" if sheet.forces_known else "assumed",

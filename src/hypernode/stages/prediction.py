@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
-from hypernode.data.measurement import mesh_of
+from hypernode.data.measurement import mesh_of, plane_of
 from hypernode.identification.interfaces import Lines
 from hypernode.mechanics.loads import Load
 from hypernode.pictures.files import read_pictures
@@ -70,6 +70,7 @@ def run(laws: Sequence[Sequence[LawFrom]], target: Target, output: Path) -> tupl
     pools = [pool for group in laws for pool in _pools(group, files)]
     measurement = _measurement(target, files.values())
     _same_units(measurement, files)
+    _same_plane(measurement, files)
     problem = problem_of(measurement, pools)
     layout, parents = _layout(target, measurement, len(pools), problem)
     found = predict(measurement, problem, pools, layout, output.stem)
@@ -105,6 +106,17 @@ def _same_units(measurement: xr.Dataset, files) -> None:
             raise PredictionError(
                 f"{path}: has the units {units_of(file)}, and the sheet {own}: take laws and sheet from tests in the "
                 "same units"
+            )
+
+
+def _same_plane(measurement: xr.Dataset, files) -> None:
+    """Nothing, where laws and sheet are of thin sheets, or of bodies whose thickness stays."""
+    own = plane_of(measurement)
+    for path, file in files.items():
+        if plane_of(file) != own:
+            raise PredictionError(
+                f"{path}: its law is that of plane {plane_of(file)}, and the sheet is in plane {own}: a law of one "
+                "says nothing of the other; take laws and sheet of the same plane"
             )
 
 
@@ -147,8 +159,9 @@ def _measurement(target: Target, files) -> xr.Dataset:
                 "no sheet is named: name its measurement.nc, or give --size, --load and --stretches of one that has "
                 "not been tested"
             )
-        units = next(iter(files)).attrs["units"]
-        return planned_test(target.size, target.load, CELLS).assign_attrs(units=units)
+        first = next(iter(files))
+        planned = planned_test(target.size, target.load, CELLS)
+        return planned.assign_attrs(units=first.attrs["units"], plane=plane_of(first))
     measurement = without_truth(read(target.measurement))
     if "u_measured" not in measurement:
         raise PredictionError(f"{target.measurement}: is no measurement: name results/CASE/measurement.nc")

@@ -167,9 +167,9 @@ def check_rest(
         return [Finding(sentence + "a preload, a zero for force_offset, or a clock for first_frame_time", False)]
     return [
         Finding(
-            f"{sentence}is it the zero of the load cell, --set force_offset={force[0]:.4g}; a preload, which the "
-            "material is then taken without, --set force_offset=0; or is the sheet pulled already, so that the clocks "
-            "differ, --set first_frame_time=SECONDS?",
+            f"{sentence}is it the zero of the load cell, --set force_offset={force[0]:.4g}; a preload, whose forces "
+            "are then those of the same stretch from rest, --set force_offset=0; or is the sheet pulled already, so "
+            "that the clocks differ, --set first_frame_time=SECONDS?",
             True,
         )
     ]

@@ -14,6 +14,8 @@ _LAGS = 10
 _ONSET = (0.05, 0.1)
 #: Correlation that is given to an offset at which one of the two does not move.
 _UNSEEN = -1.0
+#: What an estimate was told from that compares where force and stretch begin.
+ONSET = "onset of force"
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,12 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
         return None
     interval = float(np.median(np.diff(frame_time)))
     uncertainty = np.linalg.norm([interval / np.sqrt(12.0), 0.5 * (low - onset), doubt])
-    return ClockOffset(float(offset), float(uncertainty), "onset of force")
+    return ClockOffset(float(offset), float(uncertainty), ONSET)
+
+
+def begins_above(time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], begin: float) -> bool:
+    """Whether a force is beyond its onset already at a time."""
+    return bool(np.interp(begin, time, force) > _ONSET[0] * force[time >= begin].max(initial=0.0) > 0.0)
 
 
 def _crossing(time, course, level) -> tuple[float, float]:

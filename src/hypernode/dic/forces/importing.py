@@ -9,17 +9,17 @@ from jaxtyping import Float, Int
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.forces.checks import Finding, check_jumps, check_reach, check_rest, check_rise, check_units
-from hypernode.dic.forces.clock import ClockOffset, agreed_offset, check_clock, estimate_offsets
 from hypernode.dic.forces.dialects import PULL
 from hypernode.dic.forces.drift import drift_findings
 from hypernode.dic.forces.growth import growth_findings
 from hypernode.dic.forces.magnitude import check_stiffness, crosshead_findings, section_findings
-from hypernode.dic.forces.matching import Component, PullRecord, best_told, counted_otherwise, pulls_of, shift_of
+from hypernode.dic.forces.matching import Component, PullRecord, counted_otherwise, pulls_of, shift_of
+from hypernode.dic.forces.one_clock import on_one_clock
 from hypernode.dic.forces.pairing import pairing_of
 from hypernode.dic.forces.record import ForceRecord, read_force_record, record_of_frames
 from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
-from hypernode.dic.frames import first_loading, mean_gradient, working_stretch
+from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.increments import refuse_where_reached
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
@@ -84,7 +84,7 @@ def hear_forces(test: SpecimenTest, series: Series, clock: FrameClock | None) ->
     numbers = np.array([frame.number for frame in series.frames])
     pulls = pulls_of(test, record, _components(test, record), clock, numbers.tolist())
     _refuse_across_a_shear(test, record, series, pulls)
-    pulls, findings = _on_one_clock(test, pulls, series)
+    pulls, findings = on_one_clock(test, pulls, series)
     if test.picture_shift is None and (shift := shift_of(test, record, numbers.tolist())):
         findings.append(Finding(counted_otherwise(shift), False))
     unheard = {}
@@ -200,31 +200,6 @@ def _refuse_across_a_shear(test: SpecimenTest, record: ForceRecord, series: Seri
                 f"while it is sheared by {moved[[0, 1], [1, 0]].max():.2g}: the resultant of a shear is known where "
                 "the upper end moves along x, load: shear; else leave this force out, force_channel or force_file: null"
             )
-
-
-def _on_one_clock(test: SpecimenTest, pulls: dict[Component, PullRecord], series: Series):
-    """(the pulls in the clock of the pictures as far as it is told, what is strange about it)."""
-    part = best_told(pulls)
-    pull, given = pulls[part], test.force_time_offset
-    if pull.image is not None:
-        return pulls, []
-    numbers, stretch = first_loading(series, working_stretch(series, test.load, *part))
-    time = pull.times(numbers)
-    offsets = estimate_offsets(time, stretch, pull.time, pull.force, pull.displacement)
-    if given != "estimate":
-        return pulls, check_clock(offsets, float(np.median(np.diff(time))) if len(time) > 1 else 0.0, given is not None)
-    seconds, sentence = _estimated(pull, offsets)
-    clock = pull.clock.later(seconds)
-    return {key: replace(each, clock=clock) for key, each in pulls.items()}, [Finding(sentence, False)]
-
-
-def _estimated(pull: PullRecord, offsets: list[ClockOffset]) -> tuple[float, str]:
-    """(estimated offset of the record's clock [s], the sentence that says so)."""
-    offset = agreed_offset(offsets)
-    if offset is None:
-        told = " and ".join(map(str, offsets)) or "neither the crosshead nor the onset of the force tells it"
-        raise DicError(f"{pull.record.path}: force_time_offset: estimate: {told}: give the offset in seconds")
-    return offset.seconds, f"offset of the force record: {offset}"
 
 
 def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: bool) -> list[Finding]:

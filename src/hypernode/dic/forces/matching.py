@@ -48,6 +48,7 @@ class PullRecord:
         image: number of the picture of every sample, NaN where there is none; None where it is not recorded.
         clock: when each frame was taken; None where nothing tells.
         silences: when it says nothing.
+        preload: mean strain that the sheet has in its first picture, as far as forces were taken for it.
     """
 
     record: ForceRecord
@@ -57,6 +58,7 @@ class PullRecord:
     image: Float[np.ndarray, " sample"] | None
     clock: FrameClock | None
     silences: tuple[Silence, ...] = ()
+    preload: float = 0.0
 
     @property
     def rounded(self) -> float:

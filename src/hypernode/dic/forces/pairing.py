@@ -26,6 +26,11 @@ _FARTHEST = 5.0
 _UNTOLD = 1.0 / np.sqrt(12.0)
 #: Smallest uncertainty in frames: shutters and recorders have their own delays.
 _LEAST = 0.01
+#: Change of the force since the first frame over the largest, below which it has not begun. Load cells of class 1 and
+#: their noise stay within it.
+STANDS = 0.02
+#: Times that a curve is fitted: the second time from where the first one has it begin.
+_TURNS = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,14 +54,19 @@ class Pairing:
     zero: float
     with_crosshead: bool = False
 
+    def told(self, deviations: float) -> bool:
+        """Whether the lag is some standard deviations and a part of a frame, and no matter of the sheet."""
+        frames = self.seconds / self.interval
+        if abs(frames) < _SAID or abs(self.seconds) < deviations * self.uncertainty:
+            return False
+        return not (self.with_crosshead and frames < 0.0)
+
     @property
     def findings(self) -> list[Finding]:
         """A sentence where the forces seem to be those of other frames."""
+        if not self.told(_DEVIATIONS):
+            return []
         frames = self.seconds / self.interval
-        if abs(frames) < _SAID or abs(self.seconds) < _DEVIATIONS * self.uncertainty:
-            return []
-        if self.with_crosshead and frames < 0.0:
-            return []
         way = "later" if frames > 0.0 else "earlier"
         key, other = "force_time_offset", f"{self.seconds:.3g}"
         if self.named:
@@ -113,18 +123,35 @@ def pairing_of(test: SpecimenTest, pull: PullRecord, series: Series, part: Compo
 
 
 def _of_curve(strain, time, force) -> tuple[float, float, float] | None:
-    """(lag of the force [s], its standard deviation, the force at rest) as its curve over the strain has it."""
-    pulled = strain >= _BEGUN * strain.max(initial=0.0)
+    """(lag of the force [s], its standard deviation, the force at rest) as its curve over the strain has it.
+
+    Frames in which the force has not begun are not of its curve.
+    """
+    pulled = (strain >= _BEGUN * strain.max(initial=0.0)) & (force - force[0] > STANDS * np.abs(force).max())
     count = max(_BEGIN, int((strain[pulled] <= 0.5 * strain.max(initial=0.0)).sum()))
     strain, time, force = (each[pulled][:count] for each in (strain, time, force))
     if len(strain) < _FEWEST or time[-1] <= time[0] or strain[-1] <= strain[0]:
         return None
     at = strain / strain.max()
-    matrix = np.vander(at, 4, increasing=True)
+    pace, begin = (at[-1] - at[0]) / (time[-1] - time[0]), 0.0
+    for _ in range(_TURNS):
+        at_begin, error, rate, at_rest = _begin(at, force, begin)
+        late = begin - at_begin / rate
+        # A curve that begins late is carried on to there, and no further.
+        begin = max(late, 0.0)
+    return (late / pace, error / rate / pace, at_rest) if rate > 0.0 else None
+
+
+def _begin(at, force, begin: float) -> tuple[float, float, float, float]:
+    """(force where a curve begins, its standard deviation, its rate there, force at rest), by shares of the strain."""
+    matrix = np.vander(at - begin, 4, increasing=True)
     usual, fuller = (np.linalg.lstsq(matrix[:, :terms], force, rcond=None)[0] for terms in (3, 4))
     rest = force - matrix[:, :3] @ usual
     scatter = np.sqrt((rest @ rest) / (len(at) - 3) * np.linalg.pinv(matrix[:, :3].T @ matrix[:, :3])[0, 0])
-    pace = (at[-1] - at[0]) / (time[-1] - time[0])
-    rate = max(usual[1], _TOE * force[-1]) * pace
-    error = float(np.hypot(fuller[0] - usual[0], scatter))
-    return (float(-usual[0] / rate), error / rate, float(usual[0])) if rate > 0.0 else None
+    at_rest = usual @ np.vander([-begin], 3, increasing=True)[0]
+    return (
+        float(usual[0]),
+        float(np.hypot(fuller[0] - usual[0], scatter)),
+        max(usual[1], _TOE * force[-1]),
+        float(at_rest),
+    )

@@ -40,7 +40,7 @@ def with_silences(
     stretch: Float[np.ndarray, " frame"],
     limits: SilenceLimits = LIMITS,
 ) -> PullRecord:
-    """The record with the times at which it is silent, and without the samples that only repeat a value.
+    """The record with further times at which it is silent, and without the samples that only repeat a value.
 
     Args:
         pull: the record.
@@ -53,7 +53,8 @@ def with_silences(
     moved = np.interp(pull.time, frame_time, stretch)
     if pull.displacement is not None and np.ptp(pull.displacement) > 0.0:
         moved = pull.displacement
-    silences, stands = _standing(pull.time, pull.force, moved, limits)
+    found, stands = _standing(pull.time, pull.force, moved, limits)
+    silences = [*pull.silences, *found]
     if pull.image is None:
         interval = float(np.median(np.diff(frame_time)))
         silences += _gaps(pull.time, np.interp(pull.time, frame_time, stretch), interval, limits)
