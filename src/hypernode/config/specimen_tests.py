@@ -241,11 +241,7 @@ class SpecimenTest(Section):
         return given.get(axis, 0.0) if isinstance(given, dict) else given or 0.0
 
     def stated_noise(self, mm: float) -> float | None:
-        """Standard deviation of a measured displacement [mm] as the configuration gives it, or None.
-
-        Args:
-            mm: length of the frames' unit [mm], which is that of a pixel where they are in pixels.
-        """
+        """Standard deviation of a displacement [mm] as configured, or None; ``mm`` is the unit of the frames [mm]."""
         if self.noise_mm is not None:
             return self.noise_mm
         return self.noise_pixels * (self.pixel_size or mm) if self.noise_pixels is not None else None
