@@ -61,7 +61,7 @@ def judge_displacements(summary, constrained: xr.Dataset | None, noise: float, s
     believed = BelievedNoise.read(constrained.attrs)
     if judged.level is not Level.PASSED:
         return judged
-    if not noisy and noise > 0.0 and int(constrained.attrs.get("materials", 0)) == 0:
+    if not noisy and noise > 0.0 and not of_few_numbers(constrained):
         return _over_noise(judged, value, noise, constrained, settings)
     if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
         sentence = (
