@@ -41,17 +41,22 @@ class Boundary:
     relative: np.ndarray
 
 
-def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, relative, seen) -> Boundary:
+def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, blurred, relative, seen) -> Boundary:
     """The boundary of a load step.
 
     Args:
         u: measured displacement (node, 2), NaN where it was lost.
         prescribed: which components of which edges are (edge, 2).
         noise: standard deviation of prescribed points, by component.
+        blurred: by how much every point may be off, since it is a mean over a window (node, 2).
         relative: error of every point and component over that of all (node, 2).
         seen: matrix from displacements of the mesh to those of all points of the grid as the camera sees them.
     """
     edges = _kept_from_drifting(grid, u, prescribed_displacement(grid, u, prescribed, noise), noise)
+    # What a window changes is another number at every point that it changes.
+    off = np.flatnonzero(edges.mask.ravel() & (blurred.ravel() > 0.0))
+    of_window = scipy.sparse.csr_matrix((blurred.ravel()[off], (off, np.arange(len(off)))), (u.size, len(off)))
+    errors = scipy.sparse.hstack([scipy.sparse.csr_matrix(edges.errors), of_window], format="csr")
     between = refinement.interpolation
     both = scipy.sparse.kron(between, scipy.sparse.identity(2), format="csr")
     mask = edges.mask
@@ -62,7 +67,7 @@ def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, relati
     return Boundary(
         mask=mask,
         values=between @ edges.values,
-        errors=both @ scipy.sparse.csr_matrix(edges.errors),
+        errors=both @ errors,
         prescribed=np.flatnonzero(mask.ravel()),
         free=np.flatnonzero(~mask.ravel()),
         observed=observed,

@@ -30,7 +30,12 @@ from hypernode.fem.transfer import transfer
 from hypernode.identification.boundary import ROUNDING, Boundary, boundary_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
-from hypernode.identification.window_error import grid_step, window_errors, with_errors_of_elements
+from hypernode.identification.window_error import (
+    blurred_edges,
+    grid_step,
+    window_errors,
+    with_errors_of_elements,
+)
 
 
 @dataclass(frozen=True)
@@ -122,14 +127,13 @@ def observe(
     own_grid, information = is_on_its_own_grid(measurement), information_of(measurement)
     believed_noise = BelievedNoise.read(measurement.attrs)
     told, cut = own_grid or floor is not None, is_cut_out(measurement)
-    # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
-    rules = 1.0 if told or subcells > 1 or information is not None else strategy.noise_rules
     if floor is None:
         floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     seen = seen_points(refinement, *correlation_window(measurement))
     levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)
-    noisy = bool(noise >= rules * floor)
+    # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
+    noisy = bool(noise >= floor * (1.0 if told or subcells > 1 or information is not None else strategy.noise_rules))
     # What finite elements make of cut cells is no noise, and counts beside it only where it is told.
     beside = floor if told or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
@@ -139,7 +143,8 @@ def observe(
         beside = strategy.same_grid_floor * np.abs(u).max()
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
-    each = zip(measured, prescribed, levels if information is None else spread, believed / sigma, strict=True)
+    noise_of_edges, blurred = levels if information is None else spread, blurred_edges(measurement, grid, u, levels)
+    each = zip(measured, prescribed, noise_of_edges, blurred, believed / sigma, strict=True)
     boundaries = [boundary_of(refinement, grid, *step, seen) for step in each]
     expected = np.hypot(np.hypot(spread, beside)[:, None], error) / believed
     if information is not None:

@@ -17,6 +17,10 @@ from hypernode.identification.camera import window_average
 #: Share of what a window changes that its engine misses: where a search for it begins, and at most, when the mean over
 #: the window says nothing of what is seen.
 FIRST_SHARE, LARGEST_SHARE = 0.1, 1.0
+#: Side of a window that nobody stated, in points: subsets overlap by half.
+USUAL_WINDOW = 2.0
+#: Standard deviations that chance does not reach.
+NEVER = 3.0
 
 
 def changed_by_window(
@@ -31,6 +35,24 @@ def changed_by_window(
     mean, flat = window_average(grid, window, kernel), u.reshape(len(u), -1).T
     # The weights of a quadratic fit are negative in places.
     return np.sqrt(np.maximum(mean @ (mean @ flat - flat) ** 2, 0.0)).T.reshape(u.shape)
+
+
+def blurred_edges(
+    measurement: xr.Dataset, grid: Mesh, u: Float[np.ndarray, "step node 2"], noise: Float[np.ndarray, "step 2"]
+) -> Float[np.ndarray, "step node 2"]:
+    """By how much a point may be off that prescribes what it sees through a window; zero where noise would hide it.
+
+    Where an interface crosses an edge, the displacement bends, and a mean over a window is not its middle. A point
+    inside the sheet is compared through the window. One that prescribes the displacement cannot be.
+
+    Args:
+        u: measured displacement, known everywhere.
+        noise: of a displacement.
+    """
+    side, kernel = correlation_window(measurement)
+    sought = side == 0.0 and window_uncertainty(measurement) > 0.0
+    changed = changed_by_window(grid, u, USUAL_WINDOW * grid_step(grid) if sought else side, kernel)
+    return np.where(changed > NEVER * noise[:, None], changed, 0.0)
 
 
 def window_errors(
