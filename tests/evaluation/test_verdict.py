@@ -131,6 +131,11 @@ def test_cells_of_their_own_that_leave_more_than_noise_warn_although_elements_ma
     for field, numbers in ((coarse, 0.05), (coarse.assign_attrs(materials=2), 0.2)):
         assert level(judged(measurement, field, displacement_misfit=numbers), "displacements") is Level.PASSED
     assert level(judged(clean, coarse, displacement_misfit=0.2), "displacements") is Level.PASSED
+    louder = coarse.assign_attrs(BelievedNoise(factor=1.5).stored())
+    assert (
+        "1.5 times the assumed one"
+        in criterion(judged(measurement, louder, displacement_misfit=0.05), "displacements").sentence
+    )
 
 
 def test_the_misfit_of_noise_may_exceed_one_by_chance_and_no_more(measurement):
@@ -362,6 +367,11 @@ def test_few_materials_that_explain_a_sheet_follow_the_forces_where_no_single_on
 
 
 def test_no_law_is_blamed_for_less_than_forces_are_uncertain_by(clean):
-    for uncertainty, wanted in ((0.01, Level.WARNED), (0.03, Level.PASSED)):
+    for uncertainty, missed, wanted in (
+        (0.01, 0.02, Level.WARNED),
+        (0.03, 0.02, Level.PASSED),
+        (0.03, 0.12, Level.FAILED),
+        (0.15, 0.12, Level.PASSED),
+    ):
         uncertain = believed(clean, NOISE).assign_attrs(force_uncertainty=uncertainty)
-        assert level(judged(uncertain, constrained(law=(0.02, 0.003))), "law") is wanted
+        assert level(judged(uncertain, constrained(law=(missed, 0.003))), "law") is wanted

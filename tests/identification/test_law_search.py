@@ -1,5 +1,7 @@
 """Terms of a law join and leave by the same evidence; what a candidate knows of its edges serves where it holds."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -48,6 +50,14 @@ def test_a_term_that_the_test_asks_for_joins_and_stays():
     kept = law.end(one)
     assert kept.terms == ("I2",)
     assert law.plainer(kept) is kept
+
+
+def test_another_law_is_tried_under_what_is_believed_of_errors_by_then(neo_hookean):
+    trials, one = neo_hookean
+    before = trials.with_terms(one, ("I2",))
+    later = dataclasses.replace(one, problem=trials.problem([], floor=NOISE))
+    assert trials.with_terms(later, ("I2",)).sigma == later.problem.sigma > before.sigma
+    assert trials.with_terms(one, ("I2",)) is before
 
 
 def test_answers_to_errors_of_edges_serve_the_same_steps_under_the_same_noise(neo_hookean):

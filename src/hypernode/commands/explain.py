@@ -70,9 +70,7 @@ def reasons(rows: list[dict]) -> list[str]:
     promised = sorted(kept.get("promises", {}).items(), key=lambda each: -each[1])
     if promised:
         told = ", ".join(f"{term} {gain:+.1f}" for term, gain in promised)
-        lines.append(
-            f"Terms that could join promised to improve the score by: {told}. Those below zero were not tried."
-        )
+        lines.append(f"Terms that could join promised to improve the score by: {told}. Small promises were not tried.")
     others: dict[tuple, dict] = {}
     for row in rows:
         key = (row["materials"], tuple(row["terms"]))

@@ -129,7 +129,7 @@ def _law(summary, constrained, explained: Criterion, uncertainty: float, setting
     worst = max(misfits) if all(map(math.isfinite, misfits)) else math.nan
     own = summary["edge_force_error_identified"]
     # What forces are uncertain by is no error of a law.
-    limit = Threshold(max(settings.law.warn, uncertainty), settings.law.fail)
+    limit = Threshold(max(settings.law.warn, uncertainty), max(settings.law.fail, uncertainty))
     if of_few_numbers(constrained) and explained.level is Level.PASSED and own < worst:
         return limited(name, "The materials that explain the displacements miss the forces by", own, limit)
     return limited(name, "The closest material of the basis misses the forces by", worst, limit)

@@ -58,11 +58,11 @@ def judge_displacements(summary, constrained: xr.Dataset | None, noise: float, s
     value = float(summary["displacement_misfit"])
     judged = _misfit(name, value, noisy, observed, settings)
     judged = _as_it_counts(judged, value, constrained, settings) if noisy else judged
+    if judged.level is Level.PASSED and not noisy and noise > 0.0 and not of_few_numbers(constrained):
+        judged = _over_noise(judged, value, noise, constrained, settings)
     believed = BelievedNoise.read(constrained.attrs)
     if judged.level is not Level.PASSED:
         return judged
-    if not noisy and noise > 0.0 and not of_few_numbers(constrained):
-        return _over_noise(judged, value, noise, constrained, settings)
     if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
         sentence = (
             f"The noise is {believed.factor:.2g} times the assumed one; the field was identified with that noise."

@@ -42,8 +42,8 @@ class LawSearch:
     def end(self, kept: Candidate) -> Candidate:
         """Add terms one after the other as long as the score improves; the lines are fitted again.
 
-        Of the terms that promise to improve it, the two that promise most are tried, and the better one is kept. Two
-        terms of the other may be better still than the one: that is tried as well, where it promises to be.
+        Of the terms that promise to improve it, the two that promise most are tried, and the better one is kept. The
+        other one may be better still with a further term. That is tried too, where the further term promises it.
         """
         while not kept.leaves_nothing:
             # Near noise the linear model is exact.
@@ -58,8 +58,7 @@ class LawSearch:
         return kept
 
     def _next(self, start: Candidate, asked: float, most: int = TERMS_TRIED) -> list[Candidate]:
-        """Candidates with one term more, of terms that promise to gain more than is asked, those first that promise
-        most."""
+        """Candidates with one term more, those first that promise most; none that promises no more than is asked."""
         terms = open_terms(start.terms, self._trials.settings)
         if not terms:
             return []
@@ -79,7 +78,7 @@ class LawSearch:
                 self._trials.passed_over(best, f"scores {gain:+.1f} against the law with {found.terms[-1]}")
                 best = found
             else:
-                against = f"without {found.terms[-1]}" if best is kept else f"with {best.terms[-1]}"
+                against = f"without {found.terms[-1]}" if best is found.start else f"with {best.terms[-1]}"
                 self._trials.passed_over(found, f"scores {-gain:+.1f} against the law {against}")
         return best
 
@@ -135,9 +134,6 @@ class LawSearch:
         return self._trials.descend(
             f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
         )
-
-    def _open(self, kept: Candidate) -> tuple[str, ...]:
-        return open_terms(kept.terms, self._trials.settings)
 
 
 def open_terms(kept: Sequence[str], settings: Constrained) -> tuple[str, ...]:

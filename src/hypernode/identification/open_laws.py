@@ -19,7 +19,7 @@ from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import OF_THICKNESS, open_terms, translated
 from hypernode.identification.problem import FieldProblem, with_law
-from hypernode.identification.score_test import score_test
+from hypernode.identification.score_test import ScoreTest, score_test
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import largest_and_half, largest_steps
 from hypernode.mechanics.convex_basis import ConvexBasis
@@ -62,9 +62,11 @@ def open_laws(found: InterfaceEstimate, settings: Constrained, count: int, seed:
         count, seed: of the samples of each law.
     """
     kept, random, laws = found.found, np.random.default_rng(seed), []
+    terms = open_terms(kept.terms, settings)
+    score = score_test(kept, terms) if terms else None
     for term in terms_left(kept.terms, settings):
         if term != "J":
-            laws.append(_of_term(kept, open_terms(kept.terms, settings), term, count, random))
+            laws.append(_of_term(kept, score, term, count, random))
         elif not _volume_refuted(found):
             laws.append(_of_volume(kept, count, random))
     return [law for law in laws if law is not None]
@@ -82,13 +84,8 @@ def _volume_refuted(found: InterfaceEstimate) -> bool:
     return bool(tried) and found.left.independent * np.log(min(tried) / max(own, 1.0)) > AS_WELL
 
 
-def _of_term(kept: Candidate, terms: tuple[str, ...], term: str, count: int, random) -> OpenLaw:
-    """A law that contains the kept one, fibres in all directions.
-
-    Args:
-        terms: all that may join.
-    """
-    score = score_test(kept, terms)
+def _of_term(kept: Candidate, score: ScoreTest, term: str, count: int, random) -> OpenLaw:
+    """A law that contains the kept one, fibres in all directions."""
     joined, fields, gains = score.joined(term), [], []
     # Laws differ most in the largest step.
     compared = _Compared(with_law(kept.problem, score.points.law), kept, largest_steps(kept.problem))
@@ -103,8 +100,9 @@ def _of_term(kept: Candidate, terms: tuple[str, ...], term: str, count: int, ran
             return kept.fit.field.at(y, kept.fit.field.still).with_law(materials)
 
         fields += compared.near_enough(at, [float(x.max()) for x in drawn], len(each.free) + size)
-    law = dataclasses.replace(kept.problem.basis, terms=(*kept.terms, term))
-    return OpenLaw(term, law, _of_cells(fields, [*joined[0].kept, *joined[0].new]), max(gains))
+    law = score.points.with_term(term)
+    alone = [field.with_law(score.points.of_term(term, field.materials)) for field in fields]
+    return OpenLaw(term, law, _of_cells(alone), max(gains))
 
 
 def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
@@ -134,7 +132,7 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
         return fit.field.at(np.maximum(y, numbers.lowest), numbers.moves)
 
     fields = compared.near_enough(at, [float(np.abs(each).max()) for each in drawn], len(going))
-    return OpenLaw("J", problem.basis, _of_cells(fields, range(len(problem.basis.names))), gain)
+    return OpenLaw("J", problem.basis, _of_cells(fields), gain)
 
 
 class _Compared:
@@ -172,11 +170,11 @@ class _Compared:
         return [at(n, 1.0 if size <= most else most / size) for n, size in enumerate(sizes)]
 
 
-def _of_cells(fields: list[Interfaces], columns) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
+def _of_cells(fields: list[Interfaces]) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
     """Parameters of the material at the centre of every cell."""
     found = []
     for field in fields:
-        cells = field.materials[:, columns][field.labels()].T
+        cells = field.materials[field.labels()].T
         cells[0] += field.grid_factor()
         found.append(cells)
     return np.stack(found, axis=1)[:, :, None]

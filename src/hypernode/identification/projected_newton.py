@@ -37,34 +37,3 @@ def projected_steps(
             changed = x.copy()
             changed[going] += fraction * within
             yield np.maximum(changed, lowest), -0.5 * float(gradient @ change), number
-
-
-def bounded_step(
-    x: Float[np.ndarray, " number"],
-    gradient: Float[np.ndarray, " number"],
-    curvature: Float[np.ndarray, "number number"],
-    lowest: Float[np.ndarray, " number"],
-    damping: float,
-    strategy: Strategy,
-) -> tuple[np.ndarray, float, np.ndarray]:
-    """(where one damped step leads, what it should gain, which numbers do not stop where they may go no further).
-
-    A number that the step would take too far stops at its bound, and the others are solved for again. Along a curved
-    valley, a step that is shortened as a whole hardly moves.
-
-    Args:
-        lowest: as of :func:`projected_steps`.
-        damping: share of the curvature's diagonal that is added to it.
-    """
-    least, most = np.maximum(lowest - x, -strategy.largest_step), np.full(len(x), strategy.largest_step)
-    matrix = curvature + damping * np.diag(np.diag(curvature))
-    change, going = np.zeros_like(x), np.ones(len(x), dtype=bool)
-    while going.any():
-        pull = gradient[going] + matrix[np.ix_(going, ~going)] @ change[~going]
-        change[going] = -np.linalg.solve(matrix[np.ix_(going, going)], pull)
-        beyond = going & ((change < least) | (change > most))
-        if not beyond.any():
-            break
-        change[beyond] = np.clip(change, least, most)[beyond]
-        going &= ~beyond
-    return x + change, -float(gradient @ change + 0.5 * change @ curvature @ change), going

@@ -1,13 +1,12 @@
 """What terms that may join a law explain, to first order where the law without them stands.
 
-The energy is linear in every coefficient, so that one of zero changes neither equilibrium nor its tangent. Only the
-derivative by that coefficient is new. One law that begins all terms gives the derivatives of all of them. What each
-would explain follows without a descent (Rao, Large sample tests of statistical hypotheses concerning several parameters
-with applications to problems of estimation, 1948).
+The energy is linear in every coefficient, or nearly so where one says how a term stiffens. One of zero changes neither
+equilibrium nor its tangent. Only the derivative by it is new. One law that begins all terms gives the
+derivatives of all of them. What each would explain follows without a descent (Rao, Large sample tests of statistical
+hypotheses concerning several parameters with applications to problems of estimation, 1948).
 """
 
 import dataclasses
-import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,12 +20,12 @@ from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import Sheet
-from hypernode.identification.term_points import UNITS, TermPoints
+from hypernode.identification.term_points import UNITS, TermPoints, coefficient_of, fibre_vector, parameter_of
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS, ConvexBasis
 
 #: Terms that say more of another one.
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
-#: Parameters log(1 + .) of coefficients that are relative to the level.
+#: Parameters log(1 + .) of coefficients that are relative to the level, not to another term.
 LOGARITHMIC = [name for term in ("I1_squared", "I2", "ogden") for name in PARAMETERS[term]]
 #: Level over the one before below which the linear model says nothing of it.
 LEAST_LEVEL = 0.1
@@ -93,22 +92,25 @@ class Joined:
         moved[self.free] += change - scipy.linalg.cho_solve(self.own, self.between @ x)
         shape = len(self.materials), len(self.kept)
         step = (moved - self.y)[: np.prod(shape)].reshape(shape)
-        grown = np.maximum(1.0 + step[:, [0]], LEAST_LEVEL)
-        materials, names = self.materials.copy(), np.array(self.law.names)
-        before = materials[:, self.kept]
-        materials[:, self.kept] = before + step
-        materials[:, self.kept[0]] = before[:, 0] + np.log(grown[:, 0])
-        told = np.any(self.into, axis=1)
-        new = np.array(self.new)[told]
-        materials[:, new] = x.reshape(len(materials), -1) @ self.into[told].T / grown
-        for column in [*self.kept, *new]:
-            logarithmic = names[column] in LOGARITHMIC
-            if column in self.kept and (logarithmic or names[column] in FIBRE_VECTOR):
-                p, change_of_p = before[:, self.kept.index(column)], step[:, self.kept.index(column)]
-                c, slope = (np.expm1(p), np.exp(p)) if logarithmic else (p, 1.0)
-                materials[:, column] = (c + slope * change_of_p + c * step[:, 0]) / grown[:, 0]
-            if logarithmic:
-                materials[:, column] = np.log1p(np.maximum(materials[:, column], 0.0))
+        grown, names = np.maximum(1.0 + step[:, 0], LEAST_LEVEL), self.law.names
+        materials = self.materials.copy()
+        for column, more in zip(self.kept, step.T, strict=True):
+            p = materials[:, column]
+            if names[column] in LOGARITHMIC:
+                c, slope = coefficient_of(p)
+                materials[:, column] = parameter_of((c + slope * more + c * step[:, 0]) / grown)
+            elif names[column] in FIBRE_VECTOR:
+                materials[:, column] = (p + more + p * step[:, 0]) / grown
+            else:
+                materials[:, column] = p + more
+        materials[:, self.kept[0]] = self.materials[:, self.kept[0]] + np.log(grown)
+        told = self.into @ x.reshape(len(materials), -1).T
+        if names[self.new[0]] in FIBRE_VECTOR:
+            materials[:, self.new[:2]] = fibre_vector((told[:2] / grown).T)
+            return moved, materials
+        for column, coefficient in zip(self.new, told, strict=True):
+            relative = coefficient / grown if names[column] in LOGARITHMIC else coefficient
+            materials[:, column] = parameter_of(relative)
         return moved, materials
 
 
@@ -174,7 +176,6 @@ class ScoreTest:
         )
 
 
-@functools.lru_cache(maxsize=1)
 def score_test(kept: Candidate, terms: tuple[str, ...]) -> ScoreTest:
     """Terms that may join the law of a candidate, with what it leaves of displacements as their noise."""
     test = SeenTest(kept.problem, kept.fit.steps, kept.fit.window, kept.fit.edges)

@@ -61,7 +61,8 @@ class Trials:
 
     def with_terms(self, candidate: Candidate, terms: tuple[str, ...]) -> FieldProblem:
         """The problem of a candidate with another law; what is homogeneous stays as it was fitted."""
-        key = terms, candidate.subcells, len(candidate.fit.steps)
+        # Noise, elements and homogeneous fit are those of the observations, which problems of other laws share.
+        key = terms, id(candidate.problem.observations)
         if key not in self._problems:
             law = dataclasses.replace(candidate.problem.basis, terms=terms)
             self._problems[key] = with_law(candidate.problem, law)

@@ -146,7 +146,7 @@ class ConvexBasis:
         if "ogden" in self.terms:
             for name, (value, _, _) in stretch_powers(I).items():
                 total = total + _coefficient(p[f"log1p_{name}"]) * value
-            total = total / self._mixed(p)
+            total = total / self.mixed(p)
         if "J" in self.terms:
             total = total - 2.0 * (I.J - 1.0) + _coefficient(p["log1p_J_area"]) * 2.0 * (I.J - 1.0 - jnp.log(I.J))
             total = total + _coefficient(p["log1p_J_volume"]) * (2.0 * I.J + 1.0 / I.J**2 - 3.0)
@@ -174,7 +174,7 @@ class ConvexBasis:
             for name, (_, by_I1, by_I2) in stretch_powers(I).items():
                 coefficient = _coefficient(p[f"log1p_{name}"])
                 dI1, dI2 = dI1 + coefficient * by_I1, dI2 + coefficient * by_I2
-            dI1, dI2 = dI1 / self._mixed(p), dI2 / self._mixed(p)
+            dI1, dI2 = dI1 / self.mixed(p), dI2 / self.mixed(p)
         if "I1_squared" in self.terms:
             _, slope = self._square(e1, p, "I1_stiffening")
             dI1 = dI1 + _coefficient(p["log1p_I1_squared"]) * slope / (2.0 * self.invariant_scale)
@@ -203,12 +203,12 @@ class ConvexBasis:
             found |= {"k": k, "rx": x, "ry": y}
             found["b"] = jax.nn.sigmoid(p["logit_dispersion"])
         if "ogden" in self.terms:
-            mixed = self._mixed(p)
+            mixed = self.mixed(p)
             found["c"] = found["c"] / mixed
             found |= {letter: found[letter] * mixed for letter in ("c1", "k") if letter in found}
         return found
 
-    def _mixed(self, p):
+    def mixed(self, p):
         """1 + c2 + c5 + c6 + c7, what is relative to the level where powers of stretches join."""
         names = [name for term in ("I2", "ogden") if term in self.terms for name in PARAMETERS[term]]
         return 1.0 + sum(_coefficient(p[name]) for name in names)

@@ -21,7 +21,7 @@ from hypernode.storage.netcdf import read, units_of, write
 from hypernode.storage.schema import without_truth
 from hypernode.trace import stored
 
-#: Samples of every law that explains a test as well: each costs two equilibria.
+#: Samples of every law that explains a test as well: two of each of four directions of fibres.
 OPEN_SAMPLES = 8
 
 
