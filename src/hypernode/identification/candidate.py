@@ -137,4 +137,13 @@ class Candidate:
         """Its record, with :meth:`score` and what terms that may join promised."""
         misfits = {"displacement": self.missed, "force": self.fit.forces}
         score, ending = self.score(independent), str(self.fit.ending)
-        return Trial(self.move, start, self.terms, self.fit.field.count, misfits, score, ending, promises)
+        return Trial(
+            move=self.move,
+            start=start,
+            terms=self.terms,
+            materials=self.fit.field.count,
+            misfits=misfits,
+            score=score,
+            ending=ending,
+            promises=promises,
+        )
