@@ -21,7 +21,7 @@ MOSTLY_NO_NOISE = 2.0
 NOT_MADE_OF_FEW = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Candidate:
     """A fit and its place in the search.
 

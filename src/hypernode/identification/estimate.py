@@ -16,7 +16,7 @@ from hypernode.trace import Score, Trace, Trial
 from hypernode.verdict import Ending
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Estimate:
     """Where a descent ended.
 

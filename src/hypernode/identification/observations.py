@@ -33,7 +33,7 @@ from hypernode.identification.settings import Strategy
 from hypernode.identification.window_error import grid_step, window_errors, with_errors_of_elements
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observations:
     """A measurement as an identification uses it.
 
@@ -145,25 +145,28 @@ def observe(
     if information is not None:
         expected = np.ones_like(expected)
         boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
+    window, kernel = correlation_window(measurement)
     return Observations(
-        grid,
-        refinement,
-        Loading.of(measurement),
-        u,
-        sigma,
-        expected,
-        float(np.sqrt(np.mean(expected**2))),
-        noisy,
-        noise_uncertainty(measurement),
-        believed_noise,
-        *(information is None, bool(information is None and noise > 0.0 and (noisy or at_lines))),
-        own_grid,
-        *correlation_window(measurement),
-        BelievedWindow.read(measurement.attrs),
-        cut,
-        float(measurement["stretch"].values.max()),
-        _thickness_of_subcells(refinement, relative_thickness(measurement)),
-        tuple(boundaries),
+        grid=grid,
+        refinement=refinement,
+        loading=Loading.of(measurement),
+        u=u,
+        sigma=sigma,
+        expected=expected,
+        scatter=float(np.sqrt(np.mean(expected**2))),
+        noisy=noisy,
+        noise_uncertainty=noise_uncertainty(measurement),
+        believed_noise=believed_noise,
+        by_points=information is None,
+        by_places=bool(information is None and noise > 0.0 and (noisy or at_lines)),
+        own_grid=own_grid,
+        window=window,
+        kernel=kernel,
+        believed_window=BelievedWindow.read(measurement.attrs),
+        cut=cut,
+        largest_stretch=float(measurement["stretch"].values.max()),
+        relative_thickness=_thickness_of_subcells(refinement, relative_thickness(measurement)),
+        boundaries=tuple(boundaries),
     )
 
 
