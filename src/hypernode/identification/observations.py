@@ -145,29 +145,36 @@ def observe(
     if information is not None:
         expected = np.ones_like(expected)
         boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
-    window, kernel = correlation_window(measurement)
     return Observations(
         grid=grid,
         refinement=refinement,
-        loading=Loading.of(measurement),
         u=u,
         sigma=sigma,
         expected=expected,
         scatter=float(np.sqrt(np.mean(expected**2))),
         noisy=noisy,
-        noise_uncertainty=noise_uncertainty(measurement),
         believed_noise=believed_noise,
         by_points=information is None,
         by_places=bool(information is None and noise > 0.0 and (noisy or at_lines)),
         own_grid=own_grid,
-        window=window,
-        kernel=kernel,
-        believed_window=BelievedWindow.read(measurement.attrs),
         cut=cut,
-        largest_stretch=float(measurement["stretch"].values.max()),
         relative_thickness=_thickness_of_subcells(refinement, relative_thickness(measurement)),
         boundaries=tuple(boundaries),
+        **_stated(measurement),
     )
+
+
+def _stated(measurement) -> dict:
+    """What the measurement itself says, by names of :class:`Observations`."""
+    window, kernel = correlation_window(measurement)
+    return {
+        "loading": Loading.of(measurement),
+        "noise_uncertainty": noise_uncertainty(measurement),
+        "window": window,
+        "kernel": kernel,
+        "believed_window": BelievedWindow.read(measurement.attrs),
+        "largest_stretch": float(measurement["stretch"].values.max()),
+    }
 
 
 def seen_points(refinement: Refinement, width: float, kernel: str) -> scipy.sparse.csr_matrix:
