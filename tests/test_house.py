@@ -268,7 +268,7 @@ def classes_of(texts: dict[str, str]) -> list[tuple[str, ast.ClassDef]]:
 
 
 def by_position(node: ast.ClassDef, known: dict[str, list[ast.ClassDef]]) -> int:
-    """Arguments that a constructor takes by position, with those of its bases. Named tuples, to be unpacked, count as 0.
+    """Arguments that a constructor takes by position, with those of its bases; a named tuple, to be unpacked, has none.
 
     Args:
         known: the classes of every name; of several, that with most arguments counts as a base.
