@@ -42,12 +42,12 @@ PARTS = {
 }
 COUNTS = ("tangents", "evaluations", "factorisations", "solves", "cg_products")
 COLUMNS = {
-    "time": Column("total_s", "number", "s"),
-    "time without imports and compilation": Column("run_s", "number", "s"),
-    "peak memory": Column("memory_MB", "number", "MB"),
-    **{name: Column(f"{name}_s", "number", "s") for name in PARTS},
+    "time": Column("total_s", "number", unit="s"),
+    "time without imports and compilation": Column("run_s", "number", unit="s"),
+    "peak memory": Column("memory_MB", "number", unit="MB"),
+    **{name: Column(f"{name}_s", "number", unit="s") for name in PARTS},
     **{name.replace("_", " "): Column(name, "count") for name in COUNTS},
-    "clock a sheet": Column("clock_s", "number", "s"),
+    "clock a sheet": Column("clock_s", "number", unit="s"),
     "time, ratio": Column("time_ratio", "number"),
     "memory, ratio": Column("memory_ratio", "number"),
     "solves, ratio": Column("solves_ratio", "number"),

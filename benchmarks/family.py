@@ -59,7 +59,7 @@ def make(sheet: Sheet, folder: Path) -> None:
 def predicted(folder: Path, run: Path) -> dict:
     """The score of a prediction, and its distance from the displacement without noise."""
     measurement, output = folder / "measurement.nc", folder / "prediction.nc"
-    target = prediction.Target(measurement, picture=folder / "shape.png")
+    target = prediction.Target(measurement=measurement, picture=folder / "shape.png")
     _, score = prediction.run([[prediction.LawFrom(run)]], target, output)
     true, u = read(measurement)["u_truth"].values, read(output)["u"].values
     error = np.linalg.norm(u - true, axis=(1, 2)) / np.linalg.norm(true, axis=(1, 2))

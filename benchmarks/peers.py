@@ -37,7 +37,7 @@ SETTINGS = Constrained(terms=["J"], iterations=30)
 LARGEST = 0.3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeerSet:
     """A set that a peer published.
 
@@ -168,46 +168,47 @@ def _upward(X, u, field):
 
 SETS = (
     PeerSet(
-        "smooth_random_field_neo_hookean.npz",
-        "smooth random modulus, neo-Hookean, plane strain, no forces, no noise",
-        "GRF_equi_disp0.4_neo.npy of github.com/lu-group/pinn-heterogeneous-material (Apache-2.0), as arrays X, u, "
-        "modulus",
-        "relative L2 error of the modulus",
-        "below 5 % with noise up to 10 %, told strains, the law, nu and bounds of E; 500 000 iterations (2402.10741)",
-        smooth_field,
+        file="smooth_random_field_neo_hookean.npz",
+        what="smooth random modulus, neo-Hookean, plane strain, no forces, no noise",
+        where="GRF_equi_disp0.4_neo.npy of github.com/lu-group/pinn-heterogeneous-material (Apache-2.0), as arrays X, "
+        "u, modulus",
+        measure="relative L2 error of the modulus",
+        stated="below 5 % with noise up to 10 %, told strains, the law, nu and bounds of E; 500 000 iterations "
+        "(2402.10741)",
+        score=smooth_field,
     ),
     PeerSet(
-        "mechanical_mnist_train1.npz",
-        "a digit, contrast 100 : 1, one datum a pixel of the material",
-        "github.com/elejeune11/Mechanical-MNIST-Transfer-Learning (MIT; data CC BY-SA), as arrays X, u, E, force_top, "
-        "disp_top",
-        "none for the inverse problem; Dice of the stiff pixels here",
-        "-",
-        digit,
+        file="mechanical_mnist_train1.npz",
+        what="a digit, contrast 100 : 1, one datum a pixel of the material",
+        where="github.com/elejeune11/Mechanical-MNIST-Transfer-Learning (MIT; data CC BY-SA), as arrays X, u, E, "
+        "force_top, disp_top",
+        measure="none for the inverse problem; Dice of the stiff pixels here",
+        stated="-",
+        score=digit,
     ),
     PeerSet(
-        "challenge/000.npz",
-        "2025 Mechanical MNIST Challenge, 90 printed sheets",
-        "github.com/fsahli/mechanical-MNIST-challenge (CC BY 4.0), folder training-set as challenge",
-        "mean of Dice over the classes in either map",
-        "no entry published",
-        None,
+        file="challenge/000.npz",
+        what="2025 Mechanical MNIST Challenge, 90 printed sheets",
+        where="github.com/fsahli/mechanical-MNIST-challenge (CC BY 4.0), folder training-set as challenge",
+        measure="mean of Dice over the classes in either map",
+        stated="no entry published",
+        score=None,
     ),
     PeerSet(
-        "fe_mad",
-        "printed sheets of two phases, laws carried to 22 samples",
-        "the authors of arXiv 2606.05199",
-        "forces of unseen samples",
-        "both phases, geometry given",
-        None,
+        file="fe_mad",
+        what="printed sheets of two phases, laws carried to 22 samples",
+        where="the authors of arXiv 2606.05199",
+        measure="forces of unseen samples",
+        stated="both phases, geometry given",
+        score=None,
     ),
     PeerSet(
-        "hetero_euclid",
-        "finite-element sheets of segments, several noises",
-        "the authors of arXiv 2509.11784",
-        "labels of segments, laws",
-        "segments and laws from one test",
-        None,
+        file="hetero_euclid",
+        what="finite-element sheets of segments, several noises",
+        where="the authors of arXiv 2509.11784",
+        measure="labels of segments, laws",
+        stated="segments and laws from one test",
+        score=None,
     ),
 )
 

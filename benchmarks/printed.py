@@ -10,7 +10,7 @@ noise, says which one the test believes.
 
 import json
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 
 from hypernode.pipeline.compiler import set_up_compiler
@@ -50,6 +50,7 @@ class Hypothesis:
 
     what: str
     mask: np.ndarray
+    _: KW_ONLY
     offsets: tuple[float, ...] = (0.0,)
     stiffer: float = 1.0
     window: float = 0.0
@@ -89,8 +90,8 @@ def places(mask, side: float) -> list[Hypothesis]:
 
 def hypotheses(mask) -> list[Hypothesis]:
     """One change each of a mask at its place."""
-    found = [Hypothesis(f"{d:+.1f} mm wider all round", mask, (-d,)) for d in (-0.4, 0.4, 0.8)]
-    found += [Hypothesis(f"graded over {w:.1f} mm", mask, (-w / 2, w / 2)) for w in (0.4, 1.0, 2.0)]
+    found = [Hypothesis(f"{d:+.1f} mm wider all round", mask, offsets=(-d,)) for d in (-0.4, 0.4, 0.8)]
+    found += [Hypothesis(f"graded over {w:.1f} mm", mask, offsets=(-w / 2, w / 2)) for w in (0.4, 1.0, 2.0)]
     found += [Hypothesis(f"seen through a window of {w:.1f} mm", mask, window=w) for w in (1.0, 1.9, 2.9)]
     found += [Hypothesis(f"scaled by {s:.2f}", _scaled(mask, s)) for s in (0.96, 1.04)]
     return found + [
@@ -150,7 +151,7 @@ def mixed(soft: PhaseLaw, stiff: PhaseLaw, share: float) -> PhaseLaw:
     return replace(stiff, basis=Mixture(soft.basis, stiff.basis, share), best=best, samples=np.zeros((0, len(best))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """What a hypothesis leaves.
 
@@ -187,7 +188,7 @@ def tried(what: str, measurement, laws: list[PhaseLaw], distances, printed=None)
     if printed is not None:
         shape = dice(distances(mesh.centres, corners).mean(axis=0) > 0, printed(mesh.centres, corners)[0] > 0)
     off = scored.displacement_error[-1]
-    return Row(what, off / scored.displacement_noise[-1], off, scored.force_error[-1], shape)
+    return Row(what=what, missed=off / scored.displacement_noise[-1], off=off, force=scored.force_error[-1], dice=shape)
 
 
 def of_hypothesis(each: Hypothesis, measurement, soft: PhaseLaw, stiff: PhaseLaw, printed) -> Row:

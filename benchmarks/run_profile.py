@@ -25,9 +25,9 @@ from hypernode.tables.writing import write_table
 PARTS = {"tracing": SECOND, "compilation": INCLUSION, "rest": MATRIX, "not told": NEUTRAL}
 COLUMNS = {
     "jobs": Column("jobs", "count"),
-    "processor": Column("processor", "number", "s"),
-    **{name: Column(name, "number", "s") for name in PARTS},
-    "largest": Column("largest", "number", "s"),
+    "processor": Column("processor", "number", unit="s"),
+    **{name: Column(name, "number", unit="s") for name in PARTS},
+    "largest": Column("largest", "number", unit="s"),
     "of": Column("of", "text"),
 }
 #: Folders of ``benchmarks/`` that hold jobs of one rule each, named by what they make.

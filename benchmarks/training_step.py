@@ -49,7 +49,7 @@ RK4_STEPS = 4
 
 def networks(dtype):
     """Interpolant and hyper-network of the paper's P example in one precision."""
-    node = NodeMaterial(PAPER_TERMS, (4, 4), RK4_STEPS, 0.4, 1.0)
+    node = NodeMaterial(terms=PAPER_TERMS, hidden=(4, 4), steps=RK4_STEPS, invariant_scale=0.4, stress_scale=1.0)
     hyper = make_network(Frequencies(features=40, frequency_scale=1.0, widths=[40, 40]), 0, node.size, 0)
     hyper.layers[-1].bias[...] = node.initial_params(jax.random.key(0)).astype(jnp.float32)
     hyper.layers[-1].kernel[...] = 0.01 * hyper.layers[-1].kernel[...]

@@ -1,11 +1,12 @@
-"""The house: which package may import which, and how large its rooms may be."""
+"""The house: which package may import which, how large its rooms may be, and how what is in them is built."""
 
 import ast
 from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[1] / "src" / "hypernode"
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "src" / "hypernode"
 #: Package or module at the top -> what of hypernode it may import. Points, then sheets, then data, then the two ways to
 #: a material, then what judges and shows it; stages and the command line join them.
 ALLOWED = {
@@ -254,3 +255,80 @@ def test_files_and_functions_stay_of_a_size_that_is_read_at_once():
                 if length > 60 and f"{where}:{node.name}" not in LONG_FUNCTIONS:
                     long.append(f"{where}:{node.lineno}: {node.name} has {length} lines")
     assert not long, "\n".join(long)
+
+
+#: Arguments that a constructor may take by position.
+BY_POSITION = 4
+
+
+def classes_of(texts: dict[str, str]) -> list[tuple[str, ast.ClassDef]]:
+    """(file, class) of every class in some files, by their texts."""
+    trees = {where: ast.parse(text) for where, text in texts.items()}
+    return [(at, node) for at, tree in trees.items() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+
+
+def by_position(node: ast.ClassDef, known: dict[str, list[ast.ClassDef]]) -> int:
+    """Arguments that a constructor takes by position, with those of its bases; a named tuple, to be unpacked, has none.
+
+    Args:
+        known: the classes of every name; of several, that with most arguments counts as a base.
+    """
+    bases = [ast.unparse(base).split(".")[-1] for base in node.bases]
+    if "NamedTuple" in bases:
+        return 0
+    for part in node.body:
+        if isinstance(part, ast.FunctionDef) and part.name == "__init__":
+            return len(part.args.posonlyargs + part.args.args) - 1
+    above = [by_position(one, known) for base in bases if base != node.name for one in known.get(base, [])]
+    inherited = max(above, default=0)
+    decorators = [ast.unparse(each) for each in node.decorator_list]
+    generated = [each for each in decorators if each.split("(")[0].split(".")[-1] == "dataclass"]
+    if not generated or "kw_only=True" in generated[0]:
+        return inherited
+    fields = 0
+    for part in node.body:
+        if isinstance(part, ast.AnnAssign):
+            if "KW_ONLY" in ast.unparse(part.annotation):
+                break
+            constant, value = "ClassVar" in ast.unparse(part.annotation), part.value and ast.unparse(part.value)
+            fields += not constant and "init=False" not in (value or "")
+    return inherited + fields
+
+
+def too_many_by_position(texts: dict[str, str]) -> list[str]:
+    """Classes whose constructors take more arguments by position than they may."""
+    known: dict[str, list[ast.ClassDef]] = {}
+    found = classes_of(texts)
+    for _, node in found:
+        known.setdefault(node.name, []).append(node)
+    counts = [(at, node, by_position(node, known)) for at, node in found]
+    return [f"{at}:{node.lineno}: {node.name} takes {count}" for at, node, count in counts if count > BY_POSITION]
+
+
+FIVE = "    a: int\n    b: int\n    c: int\n    d: int\n    e: int = 0\n"
+FOUR = FIVE.replace("    e", "    _: KW_ONLY\n    e")
+
+
+@pytest.mark.parametrize(
+    ("text", "refused"),
+    [
+        (f"@dataclass\nclass A:\n{FIVE}", "A takes 5"),
+        (f"@dataclasses.dataclass(frozen=True)\nclass A:\n{FIVE}", "A takes 5"),
+        (f"@dataclass\nclass A:\n{FOUR}@dataclass\nclass B(A):\n    f: int = 0\n", "B takes 5"),
+        ("class A:\n    def __init__(self, a, b, c, d, e=0): ...\n", "A takes 5"),
+        (f"@dataclass(kw_only=True)\nclass A:\n{FIVE}", None),
+        (f"@dataclass\nclass A:\n{FOUR}", None),
+        ("class A:\n    def __init__(self, a, *, b, c, d, e=0): ...\n", None),
+        (f"class A(NamedTuple):\n{FIVE}", None),
+    ],
+)
+def test_arguments_by_position_are_counted_however_a_constructor_is_written(text, refused):
+    found = too_many_by_position({"file": text})
+    assert [each.split(": ")[1] for each in found] == ([refused] if refused else [])
+
+
+def test_no_constructor_takes_more_than_four_arguments_by_position():
+    folders = [ROOT / name for name in ("src", "tests", "benchmarks", "docs", "workflow")]
+    files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+    wrong = too_many_by_position({str(path.relative_to(ROOT)): path.read_text() for path in files})
+    assert not wrong, "\n".join(wrong)

@@ -24,7 +24,15 @@ def score(total):
 
 def trial(move, total, start=None, materials=0):
     misfits = {"displacement": 1.0, "force": 0.5}
-    return Trial(move, start, ("I2",), materials, misfits, score(total), "converged")
+    return Trial(
+        move=move,
+        start=start,
+        terms=("I2",),
+        materials=materials,
+        misfits=misfits,
+        score=score(total),
+        ending="converged",
+    )
 
 
 def test_every_candidate_stays_in_the_record_with_the_last_reason_against_it():

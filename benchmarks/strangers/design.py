@@ -19,7 +19,7 @@ SHAPES = {"islands": 0.35, "strokes": 0.2, "discs": 0.25, "slope": 0.1, "none": 
 DISC, STRIPE = 0.2, 0.2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sheet:
     """One sheet and its test.
 

@@ -24,7 +24,7 @@ _STATUS = re.compile(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Decision:
     """A file of a decision.
 
@@ -63,7 +63,7 @@ def read(path: Path) -> Decision:
         )
     over = dict.fromkeys(_numbers(said["whole"]), False) | dict.fromkeys(_numbers(said["parts"]), True)
     by = dict.fromkeys(_numbers(said["by"]), bool(said["part"]))
-    return Decision(path.name, number, title, said["topic"], by, over)
+    return Decision(name=path.name, number=number, title=title, topic=said["topic"], by=by, over=over)
 
 
 def _numbers(text: str | None) -> list[int]:

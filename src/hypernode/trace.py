@@ -17,7 +17,7 @@ HEAD = ("no", "tried", "from", "terms", "materials", "u misfit", "force misfit",
 BEGUN = "a later candidate begins here"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Score:
     """Minus the logarithm of how probable a field is after the test, by parts; the smallest total is the best.
 
@@ -46,7 +46,7 @@ class Score:
         return sum(asdict(self).values())
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Trial:
     """One candidate; two are the same only if they are one object.
 

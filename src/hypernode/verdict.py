@@ -2,7 +2,7 @@
 
 import enum
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import KW_ONLY, asdict, dataclass
 
 #: Criterion that is said in any case and first, since of a field that is still descending other numbers mean little
 #: -> what a verdict calls it where it is not met.
@@ -51,6 +51,7 @@ class Criterion:
     name: str
     level: Level
     sentence: str
+    _: KW_ONLY
     value: float | None = None
     threshold: float | None = None
 

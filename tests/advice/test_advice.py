@@ -61,7 +61,9 @@ def present():
 
 
 def spread_of(problem, params, count=8):
-    return StressSpread(objective_at_end(problem, SETTINGS, params), params, STRETCHES, count, 0)
+    return StressSpread(
+        objective=objective_at_end(problem, SETTINGS, params), params=params, stretches=STRETCHES, count=count, seed=0
+    )
 
 
 def advised(present, tests):
@@ -165,7 +167,7 @@ def test_the_predicted_ranking_is_that_of_identifications_with_two_tests():
     for name, kind in kinds.items():
         pair = together(data, measured(kind, cells=8, seed=7)[0])
         both = descend(field_problem(pair, SETTINGS), SETTINGS, name, None, SETTINGS.tolerance)
-        spread = StressSpread(both.objective, both.params, STRETCHES, 8, 0)
+        spread = StressSpread(objective=both.objective, params=both.params, stretches=STRETCHES, count=8, seed=0)
         left[name] = spread.variances([both.linear.nearly_curvature]).mean()
     assert [test.name for test in predicted.tests] == sorted(left, key=left.get)
     assert true.shape == found.params.shape

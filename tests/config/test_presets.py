@@ -69,9 +69,17 @@ def test_the_paper_as_published_departs_in_nothing_that_a_key_names():
     assert (published.interpolant.features, published.interpolant.widths) == (100, [40, 40])
     assert (published.hypernetwork.features, published.hypernetwork.widths) == (40, [40, 40])
     node = published.node
-    material = NodeMaterial(tuple(node.terms), tuple(node.hidden), node.rk4_steps, 1.0, 1.0, node.share, node.scaled)
+    material = NodeMaterial(
+        terms=tuple(node.terms),
+        hidden=tuple(node.hidden),
+        steps=node.rk4_steps,
+        invariant_scale=1.0,
+        stress_scale=1.0,
+        share=node.share,
+        scaled=node.scaled,
+    )
     assert material.size == 126 and (node.share, node.scaled) == (1.0, False)
-    assert NodeMaterial(("I1", "I2"), (4, 4), 2, 1.0, 1.0).size == 50
+    assert NodeMaterial(terms=("I1", "I2"), hidden=(4, 4), steps=2, invariant_scale=1.0, stress_scale=1.0).size == 50
     assert published.gradient == "finite_difference" and not published.normalised
     assert (published.homogenised.ridge, published.prior_weight, published.initialisation.from_bias) == (0, 0, False)
     loss = published.training

@@ -44,7 +44,7 @@ def turned(x, y, degrees):
     return c * x - s * y, s * x + c * y
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sheet:
     """What is exported: a grid of points, how each frame displaces it, which point is lost, digits of numbers.
 

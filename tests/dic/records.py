@@ -1,7 +1,7 @@
 """Force records of every program, written as it does."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class Record:
     head: str
     cells: Callable
     force: int
+    _: KW_ONLY
     time: int | None = 0
     delimiter: str = ","
     decimal: str = "."

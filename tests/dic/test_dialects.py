@@ -188,7 +188,7 @@ def test_a_series_written_and_read_again_keeps_its_bits(tmp_path):
     u = random.normal(size=(2, 7, 5, 2)) * 1e-3
     u[0] = 0.0
     u[1, 2, 3] = np.nan
-    written = Series(np.arange(5) / 3, np.arange(7) / 7, [Frame(k, u[k]) for k in range(2)], "mm")
+    written = Series(np.arange(5) / 3, np.arange(7) / 7, [Frame(k, u[k]) for k in range(2)], unit="mm")
     write_series(written, tmp_path)
     series = read_series(tmp_path, dialect=dialect_of(specimen(tmp_path, format="table")))
     assert series.unit == "mm" and (series.x == written.x).all() and (series.y == written.y).all()

@@ -24,7 +24,7 @@ def sheet(step, digits):
     def displacement(k, X, Y):
         return tuple(step * component for component in heterogeneous(k, X / step, Y / step))
 
-    return Sheet(COLUMNS, ROWS, displacement, LOST, digits)
+    return Sheet(columns=COLUMNS, rows=ROWS, displacement=displacement, lost=LOST, digits=digits)
 
 
 @pytest.mark.parametrize("case", [*FRAMES, *ASSEMBLED])

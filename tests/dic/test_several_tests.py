@@ -40,7 +40,7 @@ def written(folder, load, x=X, y=Y, change=lambda u: u, forces=None):
     """Frames of a load and forces of 10 and 7 N along x and y at the last one."""
     frames = [Frame(k, change(displacement(load, s, x, y)) if k else 0.0 * displacement(load, s, x, y)) for k, s in
               enumerate(STRETCHES)]  # fmt: skip
-    write_series(Series(x - x[0], y - y[0], frames, "mm"), folder)
+    write_series(Series(x - x[0], y - y[0], frames, unit="mm"), folder)
     rise = np.array([(s - 1.0) / (STRETCHES[-1] - 1.0) for s in STRETCHES])
     wanted = COMPONENTS[load] if forces is None else forces
     force = {axis: {"x": 10.0, "y": 7.0}[axis] * rise for axis in wanted}

@@ -20,7 +20,13 @@ def lattice(columns=30, rows=20, steps=(0.5, 0.5), tilt=0.0, keep=lambda x, y: n
 
 
 def at(position):
-    return Points(Path("f0000.csv"), position, np.zeros_like(position), np.arange(len(position)) + 2, "mm")
+    return Points(
+        path=Path("f0000.csv"),
+        position=position,
+        displacement=np.zeros_like(position),
+        line=np.arange(len(position)) + 2,
+        unit="mm",
+    )
 
 
 @pytest.mark.parametrize("case", FRAMES)

@@ -10,7 +10,7 @@ A comment of HTML on a line of its own above a block, which no reader sees, is a
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
 _FENCE = re.compile(r"^```(?P<language>[\w-]*)(?P<rest>.*)$")
@@ -38,6 +38,7 @@ class Block:
     line: int
     language: str
     text: str
+    _: KW_ONLY
     left_out: str = ""
     lines_left_out: tuple[tuple[str, ...], str] = ((), "")
     file: str = ""

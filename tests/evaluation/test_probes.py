@@ -82,7 +82,7 @@ def test_a_sample_without_a_uniaxial_state_of_its_own_has_the_stress_of_first_or
 
 
 def test_single_precision_finds_the_uniaxial_stress_of_a_network():
-    node = NodeMaterial(("I1", "I4v"), (3,), 1, 0.4, 1.0)
+    node = NodeMaterial(terms=("I1", "I4v"), hidden=(3,), steps=1, invariant_scale=0.4, stress_scale=1.0)
     params = jnp.tile(node.initial_params(jax.random.key(3))[:, None], (1, len(X)))
 
     def found(dtype):

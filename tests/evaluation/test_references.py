@@ -15,7 +15,7 @@ from hypernode.progress import Progress
 
 
 def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge():
-    node = NodeMaterial(("I1", "I2"), (4,), 2, 0.4, 1.0)
+    node = NodeMaterial(terms=("I1", "I2"), hidden=(4,), steps=2, invariant_scale=0.4, stress_scale=1.0)
     params = jnp.asarray(node.initial_params(jax.random.key(3)), float)
     mesh = rectilinear(np.linspace(0.0, 4.0, 7), np.linspace(0.0, 2.0, 5))
     F = np.array([[0.96, 0.0], [0.0, 1.12]])
@@ -50,7 +50,7 @@ def test_a_homogeneous_sheet_pulls_with_stress_times_cross_section_on_every_edge
 def test_other_frames_of_a_test_are_predicted_with_the_relaxation_of_those_that_are_used():
     """Their own record has seen the forces that they are judged by; it may say anything and changes nothing."""
     mesh = rectilinear(np.array([0.0, 2.0, 4.0]), np.array([0.0, 2.0]))
-    node = NodeMaterial(("I1", "I2"), (4,), 4, 1.0, 1.0)
+    node = NodeMaterial(terms=("I1", "I2"), hidden=(4,), steps=4, invariant_scale=1.0, stress_scale=1.0)
     params = np.asarray(node.initial_params(jax.random.key(3)), float)
     u = mesh.nodes * (0.1, -0.04)
     sheet = xr.Dataset(

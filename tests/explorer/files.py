@@ -21,7 +21,9 @@ STRETCHES = np.array([1.05, 1.1, 1.15])
 NOISE = 1e-3
 SAMPLES = 4
 BASIS = ConvexBasis(("I1_squared", "I2", "fibre", "stiffening"), 0.3)
-NODE = NodeMaterial(("I1", "I2", "I1_I4v"), (3, 2), 2, 0.4, 0.8, scaled=True)
+NODE = NodeMaterial(
+    terms=("I1", "I2", "I1_I4v"), hidden=(3, 2), steps=2, invariant_scale=0.4, stress_scale=0.8, scaled=True
+)
 FIBRE_ANGLE = 0.5
 COMMON = {"units": json.dumps(SYNTHETIC_UNITS)}
 

@@ -57,7 +57,9 @@ def test_of_posterior_samples_to_first_order():
 def test_of_networks_of_every_kind(potential):
     # Fibres where the function is the neural ODE, and a compressible sheet for the others, which take less time.
     terms = ("I1", "I2", "I1_I4v", "I4v_I4w", "ogden_6") if potential == "node" else ("I1", "J")
-    node = NodeMaterial(terms, (3, 2), 2, 0.4, 0.8, scaled=True, potential=potential)
+    node = NodeMaterial(
+        terms=terms, hidden=(3, 2), steps=2, invariant_scale=0.4, stress_scale=0.8, scaled=True, potential=potential
+    )
     points = 2
     keys = jax.random.split(jax.random.key(1), points)
     params = jnp.stack([node.initial_params(key) for key in keys], axis=1)

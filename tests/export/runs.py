@@ -22,7 +22,7 @@ SPREAD = 0.02
 LOAD = make_load("biaxial", [(1.1, 1.05), (1.2, 1.1), (1.3, 1.15)])
 U = np.einsum("siJ,nJ->sni", LOAD.H, MESH.nodes)
 THICKNESS = 0.8
-VERDICT = Verdict((Criterion("forces", Level.WARNED, "Edge forces are missed by 4 %.", 0.04, 0.03),))
+VERDICT = Verdict((Criterion("forces", Level.WARNED, "Edge forces are missed by 4 %.", value=0.04, threshold=0.03),))
 
 
 def write_run(results, case="skin"):

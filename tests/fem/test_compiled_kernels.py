@@ -73,7 +73,7 @@ def test_the_compiled_equilibrium_gap_and_its_gradient_are_products_with_its_mat
 
 
 def test_the_gradient_of_a_mean_over_all_cells_is_the_mean_of_those_over_groups_of_them():
-    node = NodeMaterial(("I1", "I2"), (4, 4), 2, invariant_scale=0.5, stress_scale=1.0)
+    node = NodeMaterial(terms=("I1", "I2"), hidden=(4, 4), steps=2, invariant_scale=0.5, stress_scale=1.0)
     rng, cells, groups = np.random.default_rng(2), 20000, 80
     start = np.asarray(node.initial_params(jax.random.key(0)))
     params = jnp.asarray(start[:, None] * (1.0 + 0.1 * rng.normal(size=(len(start), cells))), jnp.float32)

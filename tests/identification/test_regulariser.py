@@ -19,7 +19,7 @@ def level_alone(params):
 def test_jumps_cost_length_times_size_and_large_ones_stop_costing_more():
     lines = np.linspace(0.0, 1.0, 9)
     mesh = rectilinear(lines, lines)
-    regulariser = Regulariser(mesh, ("log_level",), np.sqrt(mesh.areas[0]), level_alone)
+    regulariser = Regulariser(mesh=mesh, names=("log_level",), unit=np.sqrt(mesh.areas[0]), stiffness=level_alone)
 
     def cost(height, kind):
         flat = regulariser.value(np.zeros((len(mesh.cells), 1)), kind)
@@ -42,7 +42,9 @@ def test_a_jump_of_the_stiffness_costs_no_less_when_terms_share_it():
     terms = ("I1_squared", "I2")
     data, mesh, _ = sheet(8, square, make_load("equibiaxial", [1.1, 1.2]), terms=terms)
     problem = field_problem(data, Constrained(terms=list(terms)))
-    regulariser = Regulariser(mesh, problem.basis.names, np.sqrt(mesh.areas[0]), problem.stiffness)
+    regulariser = Regulariser(
+        mesh=mesh, names=problem.basis.names, unit=np.sqrt(mesh.areas[0]), stiffness=problem.stiffness
+    )
     saturated = JumpCost(scale=0.05)
     inside, level, I2 = square(mesh.centres), *(problem.basis.names.index(key) for key in ("log_level", "log1p_I2"))
     alone, shared = (np.tile(problem.basis.start, (len(mesh.cells), 1)) for _ in range(2))
@@ -60,7 +62,9 @@ def test_the_gradient_of_jumps_is_their_derivative_where_terms_make_up_the_stiff
     terms = ("I1_squared", "I2", "fibre")
     data, mesh, _ = sheet(5, square, make_load("equibiaxial", [1.1, 1.2]))
     problem = field_problem(data, Constrained(terms=list(terms)))
-    regulariser = Regulariser(mesh, problem.basis.names, np.sqrt(mesh.areas[0]), problem.stiffness)
+    regulariser = Regulariser(
+        mesh=mesh, names=problem.basis.names, unit=np.sqrt(mesh.areas[0]), stiffness=problem.stiffness
+    )
     rng = np.random.default_rng(5)
     params = problem.homogeneous.params + rng.normal(0.0, 0.2, (len(mesh.cells), len(problem.basis.names)))
     change, h = rng.normal(size=params.shape), 1e-6
@@ -73,7 +77,7 @@ def test_the_gradient_of_jumps_is_their_derivative_where_terms_make_up_the_stiff
 def test_an_isotropic_contour_costs_its_length_along_the_grid_and_across_it():
     lines = np.linspace(0.0, 1.0, 41)
     mesh = rectilinear(lines, lines)
-    regulariser = Regulariser(mesh, ("log_level",), np.sqrt(mesh.areas[0]), level_alone)
+    regulariser = Regulariser(mesh=mesh, names=("log_level",), unit=np.sqrt(mesh.areas[0]), stiffness=level_alone)
     X = mesh.centres
 
     def costs(kind):

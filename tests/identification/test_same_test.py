@@ -39,7 +39,7 @@ def displacement(k, X, Y):
 def identified(folder, case):
     """Parameters of the field found from a folder of one software's frames."""
     folder.mkdir(exist_ok=True)
-    export(folder, case, Sheet(CELLS + 1, CELLS + 1, displacement, lost=57, digits=17))
+    export(folder, case, Sheet(columns=CELLS + 1, rows=CELLS + 1, displacement=displacement, lost=57, digits=17))
     force = np.append(0.0, solved()["edge_force"].values[:, 3, 1]) * CELLS * MM
     write_force_record(folder / "force_disp.csv", np.arange(3.0), {"y": np.arange(3.0)}, {"y": force})
     size = CELLS * MM

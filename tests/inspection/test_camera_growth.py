@@ -98,7 +98,7 @@ def test_a_frame_without_ends_is_named_where_they_tell_the_growth():
     frames[2].displacement[[0, -1]] = np.nan
     test = SimpleNamespace(camera_growth="ends", load="clamped_y", folder="pull")
     with pytest.raises(DicError, match="either end is measured in frame 2"):
-        without_growth(test, Series(LINES, LINES, frames, "mm"))
+        without_growth(test, Series(LINES, LINES, frames, unit="mm"))
 
 
 def test_the_force_of_a_right_sheet_is_kept(tmp_path):

@@ -5,7 +5,7 @@ One sheet of 12 x 12 mm, pulled by a fiftieth of its height a second, in files t
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -53,6 +53,7 @@ class Situation:
     """
 
     make: Callable
+    _: KW_ONLY
     given: dict = field(default_factory=lambda: {"frame_rate": 1.0})
     said: str = ""
     answer: dict | None = None
@@ -175,7 +176,7 @@ SITUATIONS = {
             names=[f"cam_20230504_1011{56 + k:02d}.csv" for k in range(4)]
             + [f"cam_20230504_1012{k:02d}.csv" for k in range(5)],
         ),
-        {},
+        given={},
     ),
     "a German record": Situation(
         of_record(header=WAVE, row=lambda t, way, f: f"{t:.2f};1;{way - 24.64:.6f};{f / 1e3:.9f};".replace(".", ","))
@@ -187,7 +188,7 @@ SITUATIONS = {
         of_record(force=lambda e: force_at(e) + 0.1), said="--set force_offset=0.1", answer={"force_offset": 0.1}
     ),
     "pictures at irregular times": Situation(
-        irregular, {}, elongation=lambda number: STEP * np.array(IRREGULAR)[number]
+        irregular, given={}, elongation=lambda number: STEP * np.array(IRREGULAR)[number]
     ),
     "pictures counted from one": Situation(counted_from_one, said="picture_shift=1"),
     "a gap in the record": Situation(

@@ -13,7 +13,7 @@ from hypernode.material.node_material import NodeMaterial
 
 
 def test_a_homogenised_material_has_the_stress_of_its_parameters_at_every_point():
-    node = NodeMaterial(("I1", "I2"), (2,), 2, invariant_scale=0.5, stress_scale=3.0)
+    node = NodeMaterial(terms=("I1", "I2"), hidden=(2,), steps=2, invariant_scale=0.5, stress_scale=3.0)
     params = np.random.default_rng(0).normal(size=node.size).astype(np.float32)
     units = {"length": "1", "stress": "Pa", "force": "Pa", "energy": "Pa"}
     attributes = {"material_kind": "homogenised", "node": json.dumps(dataclasses.asdict(node))}

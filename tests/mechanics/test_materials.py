@@ -20,8 +20,20 @@ VALUES = {
     "alpha": -3.0, "Jm": 3.0, "b": 1.5, "c": 0.9, "a_v": 2.0, "a_w": 1.0, "a_vw": 0.5, "a_s": 0.7,
 }  # fmt: skip
 NODES = {
-    "node": NodeMaterial(tuple(term for term in TERMS if term != "J"), (4, 4), 4, 0.4, 1.5),
-    "compressible node": NodeMaterial(tuple(term for term in TERMS if "I2" not in term), (4, 4), 4, 0.4, 1.5),
+    "node": NodeMaterial(
+        terms=tuple(term for term in TERMS if term != "J"),
+        hidden=(4, 4),
+        steps=4,
+        invariant_scale=0.4,
+        stress_scale=1.5,
+    ),
+    "compressible node": NodeMaterial(
+        terms=tuple(term for term in TERMS if "I2" not in term),
+        hidden=(4, 4),
+        steps=4,
+        invariant_scale=0.4,
+        stress_scale=1.5,
+    ),
 }
 F_SAMPLES = np.eye(2) + np.random.default_rng(3).uniform(-0.15, 0.25, (8, 2, 2))
 

@@ -45,7 +45,7 @@ def test_one_step_of_the_largest_slope_is_increasing_whatever_the_slopes_at_its_
 @pytest.mark.parametrize("terms", [("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w"), ("I1", "I2", *POWERS, "I4v")])
 def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines(terms):
     rng = np.random.default_rng(4)
-    material = NodeMaterial(terms, (4, 4), 1, 0.4, 1.0)
+    material = NodeMaterial(terms=terms, hidden=(4, 4), steps=1, invariant_scale=0.4, stress_scale=1.0)
     stress = jax.jit(lambda F, params: node_stress(material, F[..., None], params[:, None])[..., 0])
     params = rng.normal(0.0, 2.0, (200, material.size))
     # The logarithms of the constant parts: stiffness of a common size.
@@ -62,7 +62,7 @@ def test_a_material_of_large_random_weights_is_convex_along_rank_one_lines(terms
 def test_a_compressed_sheet_that_may_change_its_volume_is_convex_along_shears():
     """There tr C < 2, and the whole slope is of the network."""
     rng = np.random.default_rng(4)
-    material = NodeMaterial(("I1", "J"), (4, 4), 1, 0.4, 1.0, share=1.0)
+    material = NodeMaterial(terms=("I1", "J"), hidden=(4, 4), steps=1, invariant_scale=0.4, stress_scale=1.0, share=1.0)
     params = rng.normal(0.0, 1.0, (material.size, 50))
     params[-1] = -3.0
     F, line = 0.8 * np.eye(2)[..., None] * np.ones(50), np.array([[0.0, 0.01], [0.0, 0.0]])[..., None]
@@ -83,7 +83,9 @@ def test_every_potential_has_an_increasing_slope_that_vanishes_at_zero(name):
 def test_networks_with_powers_of_the_stretches_contain_the_laws_of_ogden_that_the_basis_has():
     basis = ConvexBasis(("I2", "ogden"), 0.4)
     found = dict(zip(basis.names, (0.3, 0.2, 0.4, 0.25, 0.15), strict=True))
-    material = NodeMaterial(("I1", "I2", *POWERS), (4, 4), 2, 0.4, 1.0, scaled=True)
+    material = NodeMaterial(
+        terms=("I1", "I2", *POWERS), hidden=(4, 4), steps=2, invariant_scale=0.4, stress_scale=1.0, scaled=True
+    )
     letters = basis.coefficients(jnp.array(list(found.values())))
     constants = jnp.log(letters["c"] * jnp.array([1.0, letters["c2"], letters["c5"], letters["c6"], letters["c7"]]))
     # Without any share of a neural ODE, what is left are the constant parts.
@@ -91,13 +93,15 @@ def test_networks_with_powers_of_the_stretches_contain_the_laws_of_ogden_that_th
     F = jnp.eye(2)[..., None] + 0.2 * jax.random.normal(jax.random.key(0), (2, 2, 50))
     wanted = basis.stress(F, jnp.array(list(found.values()))[:, None])
     np.testing.assert_allclose(node_stress(material, F, params[:, None]), wanted, rtol=2e-5, atol=2e-5)
-    without = NodeMaterial(("I1", "I2"), (4, 4), 2, 0.4, 1.0)
+    without = NodeMaterial(terms=("I1", "I2"), hidden=(4, 4), steps=2, invariant_scale=0.4, stress_scale=1.0)
     assert not material.has_fibres and without.size < material.size
 
 
 @pytest.mark.parametrize("name", POTENTIALS)
 def test_every_potential_makes_a_material_that_is_stress_free_undeformed(name):
-    material = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 4, 0.4, 1.0, potential=name)
+    material = NodeMaterial(
+        terms=("I1", "I2", "I1_I4v"), hidden=(3,), steps=4, invariant_scale=0.4, stress_scale=1.0, potential=name
+    )
     params = material.initial_params(jax.random.key(0))
     assert params.shape == (material.size,)
     stress = node_stress(material, jnp.eye(2)[:, :, None], params[:, None])
@@ -121,19 +125,24 @@ def test_weights_are_taken_row_by_row_and_each_once():
 
 def test_output_width_is_the_published_one():
     terms = ("I1", "I2", "I1_I4v", "I1_I4w", "I4v_I4w")
-    assert NodeMaterial(terms, (4, 4), 4, 1.0, 1.0).size == 126
-    assert NodeMaterial(("I1", "I2"), (4, 4), 4, 1.0, 1.0).size == 50
-    assert NodeMaterial(("I1", "I2"), (4, 4), 4, 1.0, 1.0, scaled=True).size == 52
+    assert NodeMaterial(terms=terms, hidden=(4, 4), steps=4, invariant_scale=1.0, stress_scale=1.0).size == 126
+    assert NodeMaterial(terms=("I1", "I2"), hidden=(4, 4), steps=4, invariant_scale=1.0, stress_scale=1.0).size == 50
+    assert (
+        NodeMaterial(
+            terms=("I1", "I2"), hidden=(4, 4), steps=4, invariant_scale=1.0, stress_scale=1.0, scaled=True
+        ).size
+        == 52
+    )
 
 
 def test_parameters_split_and_join_back():
-    material = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 2, 1.0, 1.0)
+    material = NodeMaterial(terms=("I1", "I2", "I1_I4v"), hidden=(3,), steps=2, invariant_scale=1.0, stress_scale=1.0)
     params = jnp.arange(material.size, dtype=float)
     np.testing.assert_array_equal(material.join(*material.split(params)), params)
 
 
 def test_every_term_starts_from_its_own_weights():
-    material = NodeMaterial(("I1", "I2", "I4v"), (4, 4), 2, 1.0, 1.0)
+    material = NodeMaterial(terms=("I1", "I2", "I4v"), hidden=(4, 4), steps=2, invariant_scale=1.0, stress_scale=1.0)
     weights = material.split(material.initial_params(jax.random.key(0)))[0]
     assert np.abs(np.diff(weights, axis=1)).min(axis=0).max() > 0
     assert not np.allclose(weights[:, 0], weights[:, 1])
@@ -157,7 +166,9 @@ def test_network_weights_round_trip():
 
 
 def test_fibres_begin_with_little_dispersion_and_families_apart():
-    material = NodeMaterial(("I1", "I1_I4v", "I4v_I4w"), (4,), 2, 0.4, 1.0)
+    material = NodeMaterial(
+        terms=("I1", "I1_I4v", "I4v_I4w"), hidden=(4,), steps=2, invariant_scale=0.4, stress_scale=1.0
+    )
     params = material.initial_params(jax.random.key(0))
     dispersed, coupled = jax.nn.sigmoid(material.split(params)[1])
     assert 0.05 < dispersed < 0.2 and coupled > 0.95

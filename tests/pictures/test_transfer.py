@@ -34,7 +34,7 @@ def seen_by(kernel, share, noise):
             gain = KERNELS[kernel](np.array([share / ratio]))[0]
             u[frame + 2, :, 0] = gain * wave(column, ratio * settings.subset)
         u[1:] += noise * random.normal(size=u[1:].shape)
-        return Correlated(column, row, u, np.ones(u.shape[:2]), settings.step)
+        return Correlated(column=column, row=row, displacement=u, correlation=np.ones(u.shape[:2]), step=settings.step)
 
     return correlate
 

@@ -15,7 +15,7 @@ from hypernode.networks.weights import make_network
 from hypernode.polishing.weight_field import WeightField
 from tests.sheets import believed, sheet, square
 
-NODE = NodeMaterial(("I1", "I2"), (3,), 2, invariant_scale=0.4, stress_scale=2.0, share=0.3)
+NODE = NodeMaterial(terms=("I1", "I2"), hidden=(3,), steps=2, invariant_scale=0.4, stress_scale=2.0, share=0.3)
 LAW = NodeLaw(NODE)
 FORCE_NOISE = 1e-3
 

@@ -46,7 +46,7 @@ def engine(monkeypatch):
         u = np.zeros((len(pictures), len(row), 2))
         u += np.arange(len(pictures))[:, None, None] * (1.0, 2.0)
         u[-1, 5] = np.nan
-        return Correlated(column, row, u, np.ones(u.shape[:2]), 20)
+        return Correlated(column=column, row=row, displacement=u, correlation=np.ones(u.shape[:2]), step=20)
 
     monkeypatch.setattr(correlate_files, "correlate", correlate)
     return asked

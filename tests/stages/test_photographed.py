@@ -78,7 +78,9 @@ def exact_points(forward, lost=()):
     # Errors that a point has of its own, or nothing would tell how noisy the points are.
     u[1:] += np.random.default_rng(0).normal(size=u[1:].shape) * 1e-5
     u[2, list(lost)] = np.nan
-    return Correlated(column, row, 100.0 * u * (1.0, -1.0), np.ones(u.shape[:2]), 4)
+    return Correlated(
+        column=column, row=row, displacement=100.0 * u * (1.0, -1.0), correlation=np.ones(u.shape[:2]), step=4
+    )
 
 
 def measured(folder, change=lambda points: points, lost=(), least=0.0, **case):

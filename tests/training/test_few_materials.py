@@ -74,7 +74,9 @@ def test_least_squares_finds_a_curve_and_ends_where_it_is_near_enough():
 
 @pytest.mark.parametrize("batch", [(), (7,)])
 def test_squared_departures_add_up_to_the_prior(batch):
-    node = NodeMaterial(("I1", "I2", "I1_I4v"), (4, 4), 2, 0.3, 1.2, scaled=True)
+    node = NodeMaterial(
+        terms=("I1", "I2", "I1_I4v"), hidden=(4, 4), steps=2, invariant_scale=0.3, stress_scale=1.2, scaled=True
+    )
     params = jax.random.normal(jax.random.key(0), (node.size,))
     centre = jax.random.normal(jax.random.key(1), (node.size,))
     alike = jnp.broadcast_to(params[:, None], (node.size, 7))
@@ -86,7 +88,15 @@ def test_squared_departures_add_up_to_the_prior(batch):
 def problem(materials, stiffness=(1.0, 3.0, 0.5)):
     """A sheet of some materials with fibres of their own, pulled to 1.2 in two directions."""
     method = Method.model_validate(presets()["hypernode"])
-    node = NodeMaterial(tuple(method.node.terms), (4, 4), 2, 0.3, 1.0, share=0.1, scaled=True)
+    node = NodeMaterial(
+        terms=tuple(method.node.terms),
+        hidden=(4, 4),
+        steps=2,
+        invariant_scale=0.3,
+        stress_scale=1.0,
+        share=0.1,
+        scaled=True,
+    )
     basis = ConvexBasis(("fibre",), 0.3)
     values = np.array([[np.log(stiffness[k]), 0.1, FIBRE * k, -2.0] for k in range(3)]).T
     labels = np.minimum(disc_and_strip(CENTRES), materials - 1)

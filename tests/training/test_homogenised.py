@@ -36,5 +36,14 @@ def fitted(field):
     none = np.zeros((1, 4, 2), dtype=bool)
     P = np.eye(2)[None]
     known = np.ones((1, 2, 2), dtype=bool)
-    loading = Loading(np.zeros(1, int), np.ones(1), np.ones((1, 2)), P, known, np.ones(1), none, none)
+    loading = Loading(
+        load_case=np.zeros(1, int),
+        t=np.ones(1),
+        resultant=np.ones((1, 2)),
+        P_average=P,
+        measured=known,
+        scale=np.ones(1),
+        constrained=none,
+        known=none,
+    )
     return method, fit_homogenised(method, "sheet", mesh, loading, F, field).node

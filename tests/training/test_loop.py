@@ -13,7 +13,13 @@ from hypernode.training.loop import data_as_arguments
 def stress_loss(seed):
     """A loss that closes over arrays and over a material with its own units, both of which depend on ``seed``."""
     rng = np.random.default_rng(seed)
-    material = NodeMaterial(("I1", "I2"), (4,), 2, rng.uniform(0.1, 0.5), rng.uniform(1.0, 9.0)).with_units_as_data()
+    material = NodeMaterial(
+        terms=("I1", "I2"),
+        hidden=(4,),
+        steps=2,
+        invariant_scale=rng.uniform(0.1, 0.5),
+        stress_scale=rng.uniform(1.0, 9.0),
+    ).with_units_as_data()
     strain, target = (
         jnp.asarray(rng.uniform(3.0, 3.4, (2, 7)), jnp.float32),
         jnp.asarray(rng.normal(size=7), jnp.float32),

@@ -13,7 +13,7 @@ from hypernode.material.node_material import NodeMaterial
 from hypernode.networks.weights import make_network
 from hypernode.training.losses import PENALTIES, SMALLEST_RESIDUAL, divergence, variation
 
-NODE = NodeMaterial(("I1", "I2", "I1_I4v"), (3,), 4, 0.4, 1.0)
+NODE = NodeMaterial(terms=("I1", "I2", "I1_I4v"), hidden=(3,), steps=4, invariant_scale=0.4, stress_scale=1.0)
 LENGTH = 2.0
 
 

@@ -1,7 +1,7 @@
 """Further tests of an identified sheet, ranked by how much each would narrow what is left open of its stress."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 import xarray as xr
@@ -46,6 +46,7 @@ class FurtherTest:
     spread: float
     reduction: float
     uncertainty: float
+    _: KW_ONLY
     refused: str = ""
 
     @property
@@ -124,7 +125,13 @@ def advise(
     if states is None:
         raise AdviceError(f"{name}: the identified field has no equilibrium near the one that is stored: run it again")
     present = problem.linearise(params, states, problem.sigma)
-    spread = StressSpread(objective_at_end(problem, settings, params), params, stretches, count, seed)
+    spread = StressSpread(
+        objective=objective_at_end(problem, settings, params),
+        params=params,
+        stretches=stretches,
+        count=count,
+        seed=seed,
+    )
     progress = Progress("advise", name, 1 + len(tests))
     before = spread.variances([present.nearly_curvature])
     progress.advance(spread=_root_mean(before))
@@ -133,7 +140,8 @@ def advise(
         try:
             further = present if test.load is None else linearised(problem, params, test, measurement, settings, seed)
         except ConvergenceError as error:
-            found.append(FurtherTest(test.name, *(3 * [float("nan")]), f"no equilibrium: {error}"))
+            refused = f"no equilibrium: {error}"
+            found.append(FurtherTest(test.name, *(3 * [float("nan")]), refused=refused))
         else:
             after = spread.variances([present.nearly_curvature, further.nearly_curvature])
             found.append(_compared(test.name, before, after))

@@ -39,6 +39,7 @@ class StressSpread:
 
     def __init__(
         self,
+        *,
         objective: Objective,
         params: Float[np.ndarray, "subcell parameter"],
         stretches: Sequence[float],

@@ -63,7 +63,14 @@ def run_predict(arguments) -> int:
 
     load = None if arguments.measurement else make_load(arguments.load, arguments.stretches)
     size = tuple(arguments.size) if arguments.size else None
-    target = Target(arguments.measurement, size, load, arguments.shape, arguments.flipped, arguments.lines)
+    target = Target(
+        measurement=arguments.measurement,
+        size=size,
+        load=load,
+        picture=arguments.shape,
+        flipped=arguments.flipped,
+        lines=arguments.lines,
+    )
     laws = [[LawFrom(*_law(each)) for each in text.split("+")] for text in arguments.laws]
     found, scored = run(laws, target, arguments.output)
     if arguments.figure:

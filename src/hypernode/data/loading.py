@@ -12,7 +12,7 @@ from hypernode.fem.mesh import EDGE_NAMES, EDGES, tied_edge
 from hypernode.mechanics.loads import CONSTRAINED
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Loading:
     """What is known about the loading of every step, in stresses rather than forces.
 
@@ -88,7 +88,16 @@ class Loading:
                 if tied is not None:
                     axis, sign = EDGES[tied]
                     resultant[step, i] = sign * total[step, axis, i]
-        return cls(load_case, H / largest, resultant, P, measured, scale, constrained[first], known[first])
+        return cls(
+            load_case=load_case,
+            t=H / largest,
+            resultant=resultant,
+            P_average=P,
+            measured=measured,
+            scale=scale,
+            constrained=constrained[first],
+            known=known[first],
+        )
 
 
 def _scale(

@@ -34,7 +34,13 @@ def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
             if number in numbers[:k]:
                 raise DicError(f"{path}:{line[k]}: frame {number:g} is there twice")
             one = slice(k, k + 1)
-            each = Points(path, points.position[one], points.displacement[one], points.line[one], points.unit)
+            each = Points(
+                path=path,
+                position=points.position[one],
+                displacement=points.displacement[one],
+                line=points.line[one],
+                unit=points.unit,
+            )
             rows.setdefault(int(number), []).append(each)
     for number, found in rows.items():
         if len(found) < len(files):
@@ -42,9 +48,9 @@ def frames_of_subsets(files: list[Path], dialect: Dialect) -> dict[int, Points]:
             raise DicError(f"{absent}: frame {number} is not there, as it is in {found[0].path.name}")
     return {
         number: Points(
-            found[0].path,
-            *(np.concatenate([getattr(p, key) for p in found]) for key in ("position", "displacement", "line")),
-            found[0].unit,
+            path=found[0].path,
+            unit=found[0].unit,
+            **{key: np.concatenate([getattr(p, key) for p in found]) for key in ("position", "displacement", "line")},
         )
         for number, found in sorted(rows.items())
     }

@@ -42,7 +42,10 @@ def series_of(
             f"{source}: only {len(position)} points have their whole subset on the sheet: choose a smaller subset or "
             "step, or more pixels"
         )
-    frames = [Points(source, position, each, np.arange(1, len(position) + 1), "mm") for each in displacement]
+    frames = [
+        Points(path=source, position=position, displacement=each, line=np.arange(1, len(position) + 1), unit="mm")
+        for each in displacement
+    ]
     grid = grid_of(frames[0])
     values = [Frame(number, grid.values(points, 0)) for number, points in enumerate(frames)]
-    return Series(grid.x - grid.x[0], grid.y - grid.y[0], values, "mm"), np.array([grid.x[0], grid.y[0]])
+    return Series(grid.x - grid.x[0], grid.y - grid.y[0], values, unit="mm"), np.array([grid.x[0], grid.y[0]])

@@ -1,7 +1,7 @@
 """What there is to know about the layout of a displacement file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 #: How a number that is none is written, in lower case.
 NOT_A_NUMBER = (
@@ -47,6 +47,7 @@ class Dialect:
 
     name: str
     software: str
+    _: KW_ONLY
     recognised: tuple[str, ...] = ()
     x: tuple[str, ...] = ("x",)
     y: tuple[str, ...] = ("y",)

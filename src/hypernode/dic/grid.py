@@ -80,7 +80,7 @@ class ExactGrid:
         return _line(self.x, position[:, 0])[1] & _line(self.y, position[:, 1])[1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NearGrid:
     """A grid near the points of the reference, on which displacements are interpolated linearly between three of them.
 
@@ -209,7 +209,8 @@ def _near_grid(points: Points) -> NearGrid:
     # A grid point on a measured one needs no other, which may be lost.
     weights[np.abs(weights) < 1e-6] = 0.0
     kept = distance[inside]
-    return NearGrid(*axes, nearby, step, corners, weights, (float(np.median(kept)), float(kept.max())))
+    moved = (float(np.median(kept)), float(kept.max()))
+    return NearGrid(x=axes[0], y=axes[1], nearby=nearby, step=step, corners=corners, weights=weights, moved=moved)
 
 
 def _triangles(points: Points, position: np.ndarray) -> Delaunay:

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 
 from hypernode.dic.dialect import Dialect
@@ -29,6 +29,7 @@ class Layout:
     delimiter: str
     decimal: str
     header: int
+    _: KW_ONLY
     rows: int | None = None
 
 
@@ -80,7 +81,7 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
             "\t",
             decimal,
             0,
-            int(match[1]) * int(match[2]),
+            rows=int(match[1]) * int(match[2]),
         )
     if not dialect.recognised:
         return None

@@ -20,7 +20,7 @@ _ENDLESS = 1e12
 _STRAY = 10.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Points:
     """Measured points of one frame, as its file gives them. A third component is out of plane.
 
@@ -123,7 +123,16 @@ def points_from(path: Path, cells, line, units, preamble, dialect: Dialect) -> P
         found = [match[1] for text in preamble if (match := re.search(dialect.preamble_force, text))]
         force = float(found[0]) if found else None
     moving = dialect.option(unit=unit, deformed="true")
-    return Points(path, position[keep], u[keep], line[keep], unit, time, force, moving=moving)
+    return Points(
+        path=path,
+        position=position[keep],
+        displacement=u[keep],
+        line=line[keep],
+        unit=unit,
+        time=time,
+        force=force,
+        moving=moving,
+    )
 
 
 def _blank(cells) -> np.ndarray:

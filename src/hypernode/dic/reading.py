@@ -93,12 +93,12 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
         sheet.grid.x - sheet.grid.x[0],
         sheet.grid.y - sheet.grid.y[0],
         [frame for frame in measured if frame.number in (reference, *wanted)],
-        first.unit,
-        max(moved, default=0.0),
-        files,
-        sheet.tilt.degrees if sheet.tilt else 0.0,
-        copies.inserted,
-        copies.findings,
+        unit=first.unit,
+        out_of_plane=max(moved, default=0.0),
+        files=files,
+        tilt=sheet.tilt.degrees if sheet.tilt else 0.0,
+        inserted=copies.inserted,
+        findings=copies.findings,
     )
 
 

@@ -60,7 +60,7 @@ def recorded_tests(measurement: xr.Dataset, path: Path) -> list[RecordedTest]:
         steps = np.flatnonzero(measurement["load_case"].values == number)
         frames = np.full((len(steps) + 1, len(y) * len(x), 2), np.nan)
         frames[0, mesh.places], frames[1:, mesh.places] = 0.0, u[steps]
-        series = Series(x, y, [Frame(k, each.reshape(len(y), len(x), 2)) for k, each in enumerate(frames)], "mm")
+        series = Series(x, y, [Frame(k, each.reshape(len(y), len(x), 2)) for k, each in enumerate(frames)], unit="mm")
         H = measurement["H"].values[steps]
         load = load_kind(measurement["edge_constrained"].values[steps[0]] > 0, H)
         required, further = ("", "") if unknown else _AXES[load]

@@ -1,6 +1,6 @@
 """A test as its frames: displacements on one grid, in the unit of the files."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ class Frame:
 
     number: int
     displacement: Float[np.ndarray, "row column 2"]
+    _: KW_ONLY
     time: float | None = None
     force: float | None = None
     crosshead: float | None = None
@@ -45,6 +46,7 @@ class Series:
     x: Float[np.ndarray, " column"]
     y: Float[np.ndarray, " row"]
     frames: list[Frame]
+    _: KW_ONLY
     unit: str = "pixel"
     out_of_plane: float = 0.0
     files: tuple[Path, ...] = field(default=())

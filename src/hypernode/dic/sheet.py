@@ -18,7 +18,7 @@ MAX_OUT_OF_PLANE = 0.05
 _RANGE = (1.0, 99.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sheet:
     """The sheet at rest, in its own plane and along the axes of its grid.
 
@@ -50,7 +50,9 @@ class Sheet:
         points = self.plane.seen(points) if self.plane else points
         points = self.tilt.seen(points) if self.tilt else points
         values = self.grid.values(points, self.reference)
-        return Frame(number, values, self.times.get(number, points.time), points.force, points.crosshead)
+        return Frame(
+            number, values, time=self.times.get(number, points.time), force=points.force, crosshead=points.crosshead
+        )
 
     def out_of_plane(self, points: Points) -> float:
         """Range of a frame's out-of-plane displacement over the size of the sheet; 0 of one camera.
@@ -82,4 +84,12 @@ def sheet_of(at_rest: Points, reference: int, times: Mapping[int, float], bent: 
     refuse_strays(seen)
     tilt = tilt_of(seen)
     seen = tilt.seen(seen) if tilt else seen
-    return Sheet(seen, reference, plane, tilt, tilt.grid if tilt else grid_of(seen), times, bent)
+    return Sheet(
+        at_rest=seen,
+        reference=reference,
+        plane=plane,
+        tilt=tilt,
+        grid=tilt.grid if tilt else grid_of(seen),
+        times=times,
+        bent=bent,
+    )

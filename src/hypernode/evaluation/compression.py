@@ -48,4 +48,4 @@ def judge_compression(summary: Mapping[str, object]) -> Criterion:
             f"{percent(share)} of the sheet is compressed, by up to {percent(float(summary['compression']))} of its "
             "tension. A thin sheet wrinkles there, and a single camera takes wrinkles for strain: look at its pictures."
         )
-    return Criterion(name, Level.PASSED, sentence, share, 0.0)
+    return Criterion(name, Level.PASSED, sentence, value=share, threshold=0.0)

@@ -96,7 +96,7 @@ def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ..
     )
     known = found.error / found.side
     level = Level.PASSED if known <= settings.window_known else Level.WARNED
-    return (Criterion("window", level, sentence, known, settings.window_known),)
+    return (Criterion("window", level, sentence, value=known, threshold=settings.window_known),)
 
 
 def _outliers(measurement, settings: Settings) -> Criterion:
@@ -174,8 +174,10 @@ def _force_record(measurement) -> Criterion:
         return not_judged(name, "The measurement holds no checks of a force record.")
     findings = json.loads(findings)
     if not findings:
-        return Criterion(name, Level.PASSED, "The checks of the force record found nothing.", 0.0, 0.0)
-    return Criterion(name, Level.WARNED, f"Force record: {' '.join(findings)}", float(len(findings)), 0.0)
+        return Criterion(name, Level.PASSED, "The checks of the force record found nothing.", value=0.0, threshold=0.0)
+    return Criterion(
+        name, Level.WARNED, f"Force record: {' '.join(findings)}", value=float(len(findings)), threshold=0.0
+    )
 
 
 def _spread(summary, settings: Settings) -> Criterion:
@@ -203,4 +205,4 @@ def _inclusion(summary) -> Criterion:
         if "smallest_phase" in summary:
             visible += f", and a phase twice as stiff from {percent(summary['smallest_phase'])} of it on"
         sentence = f"No inclusion is distinguishable: {explained}; {visible}."
-    return Criterion(name, Level.PASSED, sentence, seen, needed)
+    return Criterion(name, Level.PASSED, sentence, value=seen, threshold=needed)

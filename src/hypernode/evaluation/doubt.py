@@ -151,7 +151,7 @@ def judge_modes(found: list[Doubt]) -> Criterion:
         terms = sorted({term for each in little for term, rms in each.by_law.items() if rms > SAYS_LITTLE})
         by = f": laws with {', '.join(terms)} explain it as well" if terms else ""
         sentence += f" The test says little of {', '.join(each.mode for each in little)}{by}."
-    return Criterion(name, Level.PASSED, sentence, of_test[0].total, SAYS_LITTLE)
+    return Criterion(name, Level.PASSED, sentence, value=of_test[0].total, threshold=SAYS_LITTLE)
 
 
 def judge_volume(constrained: xr.Dataset | None, found: list[Doubt]) -> Criterion:
@@ -171,4 +171,4 @@ def judge_volume(constrained: xr.Dataset | None, found: list[Doubt]) -> Criterio
         )
     else:
         sentence = f"The volume is kept: laws that change it explain the test worse, or differ by {percent(of_volume)}."
-    return Criterion(name, Level.PASSED, sentence, of_volume, SAYS_LITTLE)
+    return Criterion(name, Level.PASSED, sentence, value=of_volume, threshold=SAYS_LITTLE)

@@ -70,12 +70,12 @@ def judge_displacements(summary, constrained: xr.Dataset | None, noise: float, s
         # A field of few numbers cannot fit noise: it shows that less was there than was assumed.
         harmless = believed.factor < 1.0 and of_few_numbers(constrained)
         level = Level.PASSED if harmless else Level.WARNED
-        return Criterion(name, level, sentence, believed.factor, settings.misfit_low)
+        return Criterion(name, level, sentence, value=believed.factor, threshold=settings.misfit_low)
     if believed.source is NoiseSource.FRAMES:
         sentence = (
             "Frames and field agree that the stated noise is wrong; the field was identified with their estimate."
         )
-        return Criterion(name, Level.WARNED, sentence, value, judged.threshold)
+        return Criterion(name, Level.WARNED, sentence, value=value, threshold=judged.threshold)
     return judged
 
 
@@ -96,7 +96,7 @@ def _over_noise(
         f"Displacements are missed by {ratio:.2g} times their noise, which is {percent(missed)} of the deformation. "
         "Finite elements that interfaces cut may err so, and so may the law."
     )
-    return Criterion(judged.name, Level.WARNED, sentence, ratio, 1.0 + settings.noise_known)
+    return Criterion(judged.name, Level.WARNED, sentence, value=ratio, threshold=1.0 + settings.noise_known)
 
 
 def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Settings) -> Criterion:
@@ -105,7 +105,7 @@ def _misfit(name: str, value: float, noisy: bool, observed: int, settings: Setti
         sentence = (
             f"{words} {value:.2f}, less than {settings.misfit_low:.2f}: the noise is stated too large, or is fitted."
         )
-        return Criterion(name, Level.WARNED, sentence, value, settings.misfit_low)
+        return Criterion(name, Level.WARNED, sentence, value=value, threshold=settings.misfit_low)
     by_chance = settings.chance / math.sqrt(2.0 * observed) if noisy else 0.0
     threshold = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
     return limited(name, words, value, threshold, "{:.2f}".format)

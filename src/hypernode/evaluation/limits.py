@@ -20,8 +20,10 @@ def limited(name: str, words: str, value: float, threshold: Threshold, shown=per
     """Criterion for a number that should be small; a number that is not finite fails."""
     value = float(value)
     if not math.isfinite(value):
-        return Criterion(name, Level.FAILED, f"{words} a number that is not finite.", None, threshold.fail)
+        return Criterion(
+            name, Level.FAILED, f"{words} a number that is not finite.", value=None, threshold=threshold.fail
+        )
     level = Level.FAILED if value > threshold.fail else Level.WARNED if value > threshold.warn else Level.PASSED
     limit = threshold.fail if level is Level.FAILED else threshold.warn
     compared = "no more than" if level is Level.PASSED else "more than"
-    return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value, limit)
+    return Criterion(name, level, f"{words} {shown(value)}, {compared} {shown(limit)}.", value=value, threshold=limit)

@@ -104,4 +104,4 @@ def judge_ratios(found: Sequence[Ratio]) -> Criterion:
     sentence = f"Times as stiff as most of the sheet, within two standard uncertainties: {told}."
     if any(each.most is None for each in found):
         sentence += " What has no upper bound may be rigid: the test tells no more of it."
-    return Criterion(name, Level.PASSED, sentence, found[-1].least)
+    return Criterion(name, Level.PASSED, sentence, value=found[-1].least)

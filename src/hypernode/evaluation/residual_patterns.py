@@ -18,7 +18,7 @@ SPLITS = 40
 AT_LINES = 2.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Pattern:
     """Of residuals over their noise.
 
@@ -69,13 +69,13 @@ def pattern_of(
     around = len(at_lines) > 0 and len(elsewhere) > 0
     at, off = (float(at_lines.mean()), float(elsewhere.mean())) if around else (0.0, 1.0)
     return Pattern(
-        beyond,
-        repeats,
-        neighbours(mesh, r, known),
-        1 if common is None else growth_of(common, deformation),
-        at / off if around else None,
-        max(1.0 - off / at, 0.0) * float(squares[lines].sum() / squares.sum()) if around else 0.0,
-        affine_share(mesh, r, known),
+        beyond=beyond,
+        repeats=repeats,
+        smooth=neighbours(mesh, r, known),
+        growth=1 if common is None else growth_of(common, deformation),
+        at_lines=at / off if around else None,
+        lines_share=max(1.0 - off / at, 0.0) * float(squares[lines].sum() / squares.sum()) if around else 0.0,
+        affine=affine_share(mesh, r, known),
     )
 
 

@@ -54,7 +54,7 @@ _HEAD = """<!doctype html>
 """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Run:
     """What the page shows of one run.
 
@@ -76,7 +76,8 @@ class _Run:
         """That of an opened evaluation, which is not kept."""
         name, verdict = RunVerdict.of(evaluation)
         summary = json.loads(evaluation.attrs["summary"])
-        return cls(name, verdict, summary, _doubt_row(name, evaluation), _refuted_map(name, evaluation))
+        doubt, refuted = _doubt_row(name, evaluation), _refuted_map(name, evaluation)
+        return cls(name=name, verdict=verdict, summary=summary, doubt=doubt, refuted=refuted)
 
 
 def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], settings: Mapping) -> str:

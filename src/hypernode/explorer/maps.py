@@ -18,7 +18,7 @@ from hypernode.storage.netcdf import units_of
 PHASES = "phases"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Map:
     """One field, in every cell.
 
@@ -65,7 +65,17 @@ def maps_of(files: Mapping[str, xr.Dataset], material: Material, true: Material 
     if stiffness.truth is not None:
         error = 100.0 * np.abs(stiffness.values / stiffness.truth - 1.0)
         about = "Distance of the identified stiffness from the true one, over the true one."
-        found.append(Map("error", "Error of the stiffness", "%", about, ERROR_MAP, error, least=0.0))
+        found.append(
+            Map(
+                key="error",
+                title="Error of the stiffness",
+                unit="%",
+                about=about,
+                colours=ERROR_MAP,
+                values=error,
+                least=0.0,
+            )
+        )
     return found
 
 
@@ -93,19 +103,24 @@ def _of_material(evaluation, material: Material, true: Material | None) -> list[
     truth = [None] * 3 if true is None else fields(true)
     # Anisotropies below that of a material with a direction are all alike.
     least = (None, SMALLEST_ANISOTROPY, None)
-    return [Map(*words, *each) for words, *each in zip(described, fields(material), truth, least, strict=True)]
+    return [
+        Map(key=key, title=title, unit=unit, about=about, colours=colours, values=values, truth=known, least=smallest)
+        for (key, title, unit, about, colours), values, known, smallest in zip(
+            described, fields(material), truth, least, strict=True
+        )
+    ]
 
 
 def _strains(evaluation) -> list[Map]:
     about = "Largest principal Green-Lagrange strain of the {} deformation."
     return [
         Map(
-            f"strain_{which}",
-            f"Principal strain, {which}",
-            "1",
-            about.format(which),
-            STRAIN_MAP,
-            evaluation[f"principal_strain_{which}"].values.astype(float),
+            key=f"strain_{which}",
+            title=f"Principal strain, {which}",
+            unit="1",
+            about=about.format(which),
+            colours=STRAIN_MAP,
+            values=evaluation[f"principal_strain_{which}"].values.astype(float),
         )
         for which in ("measured", "identified")
     ]
@@ -127,7 +142,7 @@ def _misfit(files) -> list[Map]:
     title = "Displacement misfit over its error" if noisy else "Displacement misfit"
     over = ", root mean square of a component over its expected error" if noisy else ""
     about = f"Measured less identified displacement{over}."
-    return [Map("misfit", title, unit, about, ERROR_MAP, np.sqrt(mean), least=0.0)]
+    return [Map(key="misfit", title=title, unit=unit, about=about, colours=ERROR_MAP, values=np.sqrt(mean), least=0.0)]
 
 
 def _refuted(evaluation) -> list[Map]:
@@ -135,7 +150,17 @@ def _refuted(evaluation) -> list[Map]:
         return []
     about = "Displacement that is missed and grows with the test, over its noise; zero where chance makes as much."
     values = evaluation["refuted_by"].values[None]
-    return [Map("refuted", "Where the law fails", "1", about, ERROR_MAP, values, least=0.0)]
+    return [
+        Map(
+            key="refuted",
+            title="Where the law fails",
+            unit="1",
+            about=about,
+            colours=ERROR_MAP,
+            values=values,
+            least=0.0,
+        )
+    ]
 
 
 def _spread(evaluation) -> list[Map]:
@@ -143,7 +168,17 @@ def _spread(evaluation) -> list[Map]:
         return []
     spread = 100.0 * evaluation["trace_P_spread"].values / np.abs(evaluation["trace_P"].values)
     about = "Standard deviation of the stiffness, by posterior samples and where interfaces cut cells."
-    return [Map("spread", "Spread of the stiffness", "%", about, ERROR_MAP, spread[None], least=0.0)]
+    return [
+        Map(
+            key="spread",
+            title="Spread of the stiffness",
+            unit="%",
+            about=about,
+            colours=ERROR_MAP,
+            values=spread[None],
+            least=0.0,
+        )
+    ]
 
 
 def _phases(evaluation, stiffness: Map) -> list[Map]:
@@ -153,13 +188,13 @@ def _phases(evaluation, stiffness: Map) -> list[Map]:
     judged = stiffness.values[0] if stiffness.truth is None else stiffness.truth[0]
     return [
         Map(
-            "phases",
-            "Phases found",
-            "1",
-            "Parts of the sheet whose stiffness can be told apart, from 1, the softest.",
-            PHASES,
-            1.0 + from_softest(labels, stiffness.values[0])[None],
-            None if known is None else 1.0 + from_softest(known, judged)[None],
+            key="phases",
+            title="Phases found",
+            unit="1",
+            about="Parts of the sheet whose stiffness can be told apart, from 1, the softest.",
+            colours=PHASES,
+            values=1.0 + from_softest(labels, stiffness.values[0])[None],
+            truth=None if known is None else 1.0 + from_softest(known, judged)[None],
         )
     ]
 

@@ -11,7 +11,7 @@ from hypernode.export.fitting import Fit, fit, law_components
 from hypernode.export.laws import LAWS, ExportedLaw
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Candidate:
     """A law fitted to a phase.
 
@@ -50,11 +50,11 @@ def _candidate(law: ExportedLaw, curves: Curves, found: Fit, index: int) -> Cand
     params = found.params[index]
     missed = law_components(law, curves.F, params) - curves.stress
     return Candidate(
-        law,
-        _half_turn(law, params),
-        _deviation(curves, found.squares[index], found.jacobian[index, : curves.stress.size]),
-        float(np.linalg.norm(missed) / np.linalg.norm(curves.stress)),
-        float(found.squares[index]) + len(params) * math.log(curves.stress.size),
+        law=law,
+        params=_half_turn(law, params),
+        deviation=_deviation(curves, found.squares[index], found.jacobian[index, : curves.stress.size]),
+        misfit=float(np.linalg.norm(missed) / np.linalg.norm(curves.stress)),
+        criterion=float(found.squares[index]) + len(params) * math.log(curves.stress.size),
     )
 
 

@@ -15,7 +15,7 @@ NEWTON_STEPS = 6
 LARGE = 1e3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Parameter:
     """One parameter of a law.
 
@@ -96,7 +96,7 @@ def logarithmic_neo_hookean(I: Mapping, p: Mapping):
 
 
 def _stress(name: str, start: float, lowest: float = 0.0) -> Parameter:
-    return Parameter(name, True, lowest, LARGE, (start,))
+    return Parameter(name=name, stress=True, lowest=lowest, highest=LARGE, starts=(start,))
 
 
 #: Candidates, the plainest first.
@@ -111,13 +111,16 @@ LAWS = (
     ExportedLaw(
         "compressible neo-Hookean",
         "mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2, with I1 and J of the solid",
-        (_stress("mu", 1.0, 1e-6), Parameter("lambda", True, 1e-3, LARGE, (1.0, 30.0))),
+        (
+            _stress("mu", 1.0, 1e-6),
+            Parameter(name="lambda", stress=True, lowest=1e-3, highest=LARGE, starts=(1.0, 30.0)),
+        ),
         logarithmic_neo_hookean,
     ),
     ExportedLaw(
         "Demiray",
         "a/(2 b) (exp(b (I1 - 3)) - 1)",
-        (_stress("a", 1.0, 1e-6), Parameter("b", False, 1e-3, 1e2, (0.5,))),
+        (_stress("a", 1.0, 1e-6), Parameter(name="b", stress=False, lowest=1e-3, highest=1e2, starts=(0.5,))),
         demiray,
     ),
     ExportedLaw(
@@ -132,9 +135,16 @@ LAWS = (
         (
             _stress("C10", 0.4, 1e-6),
             _stress("k1", 0.5),
-            Parameter("k2", False, 1e-3, 1e2, (1.0,)),
-            Parameter("kappa", False, 0.0, 1.0 / 3.0, (0.1,)),
-            Parameter("fibre_angle", False, -360.0, 360.0, (0.0, 45.0, 90.0, 135.0), "degree"),
+            Parameter(name="k2", stress=False, lowest=1e-3, highest=1e2, starts=(1.0,)),
+            Parameter(name="kappa", stress=False, lowest=0.0, highest=1.0 / 3.0, starts=(0.1,)),
+            Parameter(
+                name="fibre_angle",
+                stress=False,
+                lowest=-360.0,
+                highest=360.0,
+                starts=(0.0, 45.0, 90.0, 135.0),
+                unit="degree",
+            ),
         ),
         goh,
     ),

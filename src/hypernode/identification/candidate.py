@@ -21,7 +21,7 @@ MOSTLY_NO_NOISE = 2.0
 NOT_MADE_OF_FEW = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Candidate:
     """A fit and its place in the search.
 
@@ -137,4 +137,13 @@ class Candidate:
         """Its record, with :meth:`score` and what terms that may join promised."""
         misfits = {"displacement": self.missed, "force": self.fit.forces}
         score, ending = self.score(independent), str(self.fit.ending)
-        return Trial(self.move, start, self.terms, self.fit.field.count, misfits, score, ending, promises)
+        return Trial(
+            move=self.move,
+            start=start,
+            terms=self.terms,
+            materials=self.fit.field.count,
+            misfits=misfits,
+            score=score,
+            ending=ending,
+            promises=promises,
+        )

@@ -34,6 +34,17 @@ class Cut(NamedTuple):
         return Cut(*(np.where(some.reshape(-1, *(1,) * (a.ndim - 1)), a, b) for a, b in zip(self, other, strict=True)))
 
 
+class Pieces(NamedTuple):
+    """Pairs of layers of cells that lines cut, as ``CellMaterials`` has them."""
+
+    cell: Int[np.ndarray, " piece"]
+    first: Int[np.ndarray, " piece"]
+    second: Int[np.ndarray, " piece"]
+    share: Float[np.ndarray, " piece"]
+    normal: Float[np.ndarray, "piece 2"]
+    weight: Float[np.ndarray, " piece"]
+
+
 class Cuts(NamedTuple):
     """Which lines decide pairs of layers (piece,).
 
@@ -65,7 +76,7 @@ def laid(contours: ContourLines, distances) -> tuple[Int[np.ndarray, " cell"], C
     return base, low, up
 
 
-def layers_of(base, low: Cut, up: Cut, once, twice):
+def layers_of(base, low: Cut, up: Cut, once, twice) -> tuple[Pieces, Cuts]:
     """Pairs of layers of cells that one line cuts, and of those that two lines cut.
 
     Where two lines cut a cell, either may part it first. What lies on its two sides is then the mean of what the other
@@ -90,4 +101,4 @@ def layers_of(base, low: Cut, up: Cut, once, twice):
     cell = np.concatenate([once, *4 * [twice]])
     share, normal = np.where(line == low.line[cell], low.share[cell], up.share[cell]), up.normal[cell]
     normal = np.where((line == low.line[cell])[:, None], low.normal[cell], normal)
-    return (cell, first, second, share, normal, weight), Cuts(line, low.line[cell], up.line[cell], by_low, by_up)
+    return Pieces(cell, first, second, share, normal, weight), Cuts(line, low.line[cell], up.line[cell], by_low, by_up)

@@ -48,7 +48,7 @@ def at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Bool[np.ndarray
     return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ContourModel:
     """What changes of labels cost.
 

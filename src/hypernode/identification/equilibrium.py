@@ -42,6 +42,7 @@ class FieldEquilibrium:
 
     def __init__(
         self,
+        *,
         mesh: Mesh,
         law: PointLaw,
         boundaries: tuple[Boundary, ...],
@@ -60,7 +61,13 @@ class FieldEquilibrium:
     def of(cls, observations: Observations, law: PointLaw, strategy: Strategy) -> "FieldEquilibrium":
         """That of the sheet of a test."""
         mesh, thickness = observations.refinement.mesh, observations.relative_thickness
-        return cls(mesh, law, observations.boundaries, strategy.newton_tolerance, thickness)
+        return cls(
+            mesh=mesh,
+            law=law,
+            boundaries=observations.boundaries,
+            tolerance=strategy.newton_tolerance,
+            relative_thickness=thickness,
+        )
 
     def under_boundaries(self, boundaries: tuple[Boundary, ...]) -> "FieldEquilibrium":
         """The same sheet, and its compiled finite elements, whose boundary moves otherwise."""

@@ -16,7 +16,7 @@ from hypernode.trace import Score, Trace, Trial
 from hypernode.verdict import Ending
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Estimate:
     """Where a descent ended.
 
@@ -168,13 +168,13 @@ class Estimate:
             start: the estimate that it began from, or None for the homogeneous sheet.
         """
         trial = Trial(
-            move,
-            None if start is None else start.trial,
-            tuple(self.basis.terms),
-            self.material_count,
-            self.misfits,
-            self.score,
-            str(self.ending),
+            move=move,
+            start=None if start is None else start.trial,
+            terms=tuple(self.basis.terms),
+            materials=self.material_count,
+            misfits=self.misfits,
+            score=self.score,
+            ending=str(self.ending),
         )
         before = Trace() if start is None else start.trace
         return dataclasses.replace(self, trial=trial, trace=(before | self.trace).with_trial(trial))

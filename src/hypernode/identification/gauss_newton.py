@@ -51,9 +51,19 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
     strategy = problem.strategy
     ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, strategy.ridge**2), len(centre))
     unit = strategy.unit_length(problem.observations.grid.areas)
-    regulariser = Regulariser(problem.mesh, problem.basis.names, unit, problem.stiffness, strategy)
+    regulariser = Regulariser(
+        mesh=problem.mesh, names=problem.basis.names, unit=unit, stiffness=problem.stiffness, strategy=strategy
+    )
     cost = JumpCost(strategy.smallest_jump, scale)
-    return Objective(problem, regulariser, settings.regulariser_weight, cost, ridge, centre.ravel(), strategy)
+    return Objective(
+        problem=problem,
+        regulariser=regulariser,
+        regulariser_weight=settings.regulariser_weight,
+        jump_cost=cost,
+        ridge=ridge,
+        centre=centre.ravel(),
+        strategy=strategy,
+    )
 
 
 def objective_at_end(problem: FieldProblem, settings: Constrained, centre) -> Objective:
@@ -150,7 +160,16 @@ def descend(
         linear = None
         linear = problem.linearise(params, states, problem.sigma)
     cost = objective.value(params, states, problem.sigma, linear)
-    estimate = Estimate(objective, linear, params, states, np.array(history), cost, ending, step)
+    estimate = Estimate(
+        objective=objective,
+        linear=linear,
+        params=params,
+        states=states,
+        history=np.array(history),
+        cost=cost,
+        ending=ending,
+        step=step,
+    )
     estimate = estimate.recorded(move, before)
     say(stage, name, f"{ending} after {len(history) - 1} of at most {settings.iterations} steps: {estimate.summary}")
     return estimate

@@ -41,7 +41,7 @@ class ReducedEquations:
         return self.columns @ np.linalg.solve(self.matrix, self.columns.T @ b)
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class InterfaceEstimate(Estimate):
     """Materials and lines.
 

@@ -29,7 +29,7 @@ GAIN, RELATIVE_GAIN = 0.5, 1e-3
 TRUSTED = 0.7
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Fit:
     """Where a descent ended.
 
@@ -191,23 +191,23 @@ class InterfaceFit:
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
         determined, of_materials = self._determined(numbers, model, shared, self._left(of_u, 0.0))
         return Fit(
-            field,
-            test.steps,
-            states,
-            white,
-            self._left(of_u, determined),
-            _mean(np.concatenate(of_u)),
-            _mean(of_f),
-            total - sum(float(u @ u) for u in of_u),
-            0.5 * total + prior,
-            prior,
-            determined,
-            of_materials,
-            test.window,
-            self._window_error,
-            ending,
-            history,
-            shared.answers,
+            field=field,
+            steps=test.steps,
+            states=states,
+            white=white,
+            left=self._left(of_u, determined),
+            misfit=_mean(np.concatenate(of_u)),
+            forces=_mean(of_f),
+            force_squared=total - sum(float(u @ u) for u in of_u),
+            cost=0.5 * total + prior,
+            prior=prior,
+            determined=determined,
+            of_materials=of_materials,
+            window=test.window,
+            window_error=self._window_error,
+            ending=ending,
+            history=history,
+            edges=shared.answers,
         )
 
     def _left(self, of_u, determined: float) -> Left:

@@ -12,7 +12,7 @@ REACH = 4
 NOISE_SHARED = 0.6
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Left:
     """Residuals of a fit.
 
@@ -58,7 +58,13 @@ def left_of(grid: Mesh | None, observed, white, determined: float) -> Left:
     count = sum(len(values) for values in white)
     if grid is None:
         square = float(np.mean(np.concatenate(white) ** 2))
-        return Left(np.sqrt(square / max(1.0 - determined / max(count, 1), 0.1)), 1.0, 0.0, count, len(white))
+        return Left(
+            level=np.sqrt(square / max(1.0 - determined / max(count, 1), 0.1)),
+            neighbours=1.0,
+            steps=0.0,
+            count=count,
+            number_of_steps=len(white),
+        )
     place, shape = grid.places, (len(grid.lines[1]), len(grid.lines[0]))
     maps = np.full((len(white), 2, shape[0] * shape[1]), np.nan)
     for k, (dofs, values) in enumerate(zip(observed, white, strict=True)):
@@ -74,7 +80,7 @@ def left_of(grid: Mesh | None, observed, white, determined: float) -> Left:
         pairs = [(i, j) for i in range(len(white)) for j in range(i)]
         shared = max(float(np.mean([np.nanmean(scaled[i] * scaled[j]) for i, j in pairs])), 0.0)
     level = np.sqrt(square / max(1.0 - determined / max(count, 1), 0.1))
-    return Left(level, neighbours, shared, count, len(white))
+    return Left(level=level, neighbours=neighbours, steps=shared, count=count, number_of_steps=len(white))
 
 
 def _correlations(maps, axis: int) -> np.ndarray:

@@ -18,7 +18,7 @@ HELD = 3.0
 UNKNOWN = 1e-6
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Numbers:
     """The numbers of a field, what they cost without data, and their bounds.
 
@@ -121,4 +121,6 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
         base += 0.5 * UNKNOWN * window**2
         held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
         lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
-    return Numbers(field.materials.size, y, moves, held, pull, base, lowest, floor)
+    return Numbers(
+        of_materials=field.materials.size, y=y, moves=moves, held=held, pull=pull, base=base, lowest=lowest, floor=floor
+    )

@@ -33,6 +33,7 @@ class Lines:
     grid: ContourLines
     fine: ContourLines
     between: scipy.sparse.csr_matrix
+    _: dataclasses.KW_ONLY
     apart: float = 1.0
     splines: Splines | None = None
 
@@ -112,7 +113,8 @@ class Interfaces:
         cut = np.flatnonzero(up.line >= 0)
         once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
         pieces, cuts = layers_of(base, low, up, once, twice)
-        return CellMaterials(self.materials, base, *pieces, np.exp(log_factor)), cuts
+        factor = np.exp(log_factor)
+        return CellMaterials(materials=self.materials, one=base, factor=factor, **pieces._asdict()), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""

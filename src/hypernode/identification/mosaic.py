@@ -29,7 +29,7 @@ SHARES = (1.0, 0.5, 0.25, 0.1)
 ALONE = 3
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Mosaic(Interfaces):
     """Materials of whole cells.
 
@@ -66,7 +66,8 @@ class Mosaic(Interfaces):
     def _cells(self, contours: ContourLines, distances, log_factor) -> tuple[CellMaterials, Cuts]:
         none, nowhere = Cut.none(len(self.of_cells)), np.zeros(0, int)
         pieces, cuts = layers_of(self.of_cells, none, none, nowhere, nowhere)
-        return CellMaterials(self.materials, self.of_cells, *pieces, np.exp(log_factor)), cuts
+        factor = np.exp(log_factor)
+        return CellMaterials(materials=self.materials, one=self.of_cells, factor=factor, **pieces._asdict()), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material of every cell."""
@@ -139,7 +140,9 @@ class Mosaic(Interfaces):
             sides, given = 0.0 * sides, self.given[options.cell]
             away, now = options.label != given, self.of_cells[options.cell] != given
             gradient = gradient + self._change * (away.astype(float) - now)
-        return ContourModel(options, gradient, curvature, sides, 1.0 - np.eye(self.count))
+        return ContourModel(
+            options=options, gradient=gradient, curvature=curvature, lengths=sides, between=1.0 - np.eye(self.count)
+        )
 
     def _half_way(self, options: Options) -> CellMaterials:
         """Cells that may change as mixtures of all that they may be, in equal parts; the options come first."""
@@ -150,7 +153,15 @@ class Mosaic(Interfaces):
         normal = np.tile([1.0, 0.0], (len(cell), 1))
         half = np.full(len(cell), 0.5)
         return CellMaterials(
-            self.materials, self.of_cells, cell, material, material, half, normal, weight, np.ones(len(self.of_cells))
+            materials=self.materials,
+            one=self.of_cells,
+            cell=cell,
+            first=material,
+            second=material,
+            share=half,
+            normal=normal,
+            weight=weight,
+            factor=np.ones(len(self.of_cells)),
         )
 
     def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:

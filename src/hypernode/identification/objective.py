@@ -46,7 +46,7 @@ def white_residuals(problem: FieldProblem, states, sigma: float, linear: Jacobia
     return tuple(np.split(every, [len(every) - len(f)]))
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Objective:
     """What is minimised: misfits in units of their uncertainty, jumps of the field, a small ridge.
 
@@ -108,7 +108,14 @@ class Objective:
         R, r, B = self._jump_roots(params)
         gradient = self.misfit_gradient(states, linear)
         gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
-        system = NormalEquations(linear.nearly_curvature, R, B, self.ridge + damping, deflation, strategy)
+        system = NormalEquations(
+            curvature=linear.nearly_curvature,
+            R=R,
+            B=B,
+            ridge=self.ridge + damping,
+            deflation=deflation,
+            strategy=strategy,
+        )
         iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]
         solution = system.solve(-gradient, strategy.cg_tolerance[int(explained)], iterations)
         change = system.to_params(solution.x)
@@ -124,7 +131,9 @@ class Objective:
             deflation: what a solve of a similar system left, or None.
         """
         R, _, B = self._jump_roots(params)
-        return NormalEquations(curvature, R, B, self.ridge, deflation, self.strategy)
+        return NormalEquations(
+            curvature=curvature, R=R, B=B, ridge=self.ridge, deflation=deflation, strategy=self.strategy
+        )
 
     def posterior_samples(
         self, linear: Jacobian, params, count: int, seed: int, deflation=None
@@ -194,6 +203,7 @@ class NormalEquations:
 
     def __init__(
         self,
+        *,
         curvature: Callable,
         R,
         B: Float[np.ndarray, "cell coordinate parameter"],

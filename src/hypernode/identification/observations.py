@@ -38,7 +38,7 @@ from hypernode.identification.window_error import (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observations:
     """A measurement as an identification uses it.
 
@@ -151,25 +151,35 @@ def observe(
         expected = np.ones_like(expected)
         boundaries = _by_grey_levels(boundaries, grid, refinement, prescribed, information, noise)
     return Observations(
-        grid,
-        refinement,
-        Loading.of(measurement),
-        u,
-        sigma,
-        expected,
-        float(np.sqrt(np.mean(expected**2))),
-        noisy,
-        noise_uncertainty(measurement),
-        believed_noise,
-        *(information is None, bool(information is None and noise > 0.0 and (noisy or at_lines))),
-        own_grid,
-        *correlation_window(measurement),
-        BelievedWindow.read(measurement.attrs),
-        cut,
-        float(measurement["stretch"].values.max()),
-        _thickness_of_subcells(refinement, relative_thickness(measurement)),
-        tuple(boundaries),
+        grid=grid,
+        refinement=refinement,
+        u=u,
+        sigma=sigma,
+        expected=expected,
+        scatter=float(np.sqrt(np.mean(expected**2))),
+        noisy=noisy,
+        believed_noise=believed_noise,
+        by_points=information is None,
+        by_places=bool(information is None and noise > 0.0 and (noisy or at_lines)),
+        own_grid=own_grid,
+        cut=cut,
+        relative_thickness=_thickness_of_subcells(refinement, relative_thickness(measurement)),
+        boundaries=tuple(boundaries),
+        **_stated(measurement),
     )
+
+
+def _stated(measurement) -> dict:
+    """What the measurement itself says, by names of :class:`Observations`."""
+    window, kernel = correlation_window(measurement)
+    return {
+        "loading": Loading.of(measurement),
+        "noise_uncertainty": noise_uncertainty(measurement),
+        "window": window,
+        "kernel": kernel,
+        "believed_window": BelievedWindow.read(measurement.attrs),
+        "largest_stretch": float(measurement["stretch"].values.max()),
+    }
 
 
 def seen_points(refinement: Refinement, width: float, kernel: str) -> scipy.sparse.csr_matrix:

@@ -41,10 +41,11 @@ class FieldProblem:
 
     def __init__(
         self,
+        *,
         observations: Observations,
         basis: PointLaw,
         equilibrium: FieldEquilibrium,
-        homogeneous: Homogeneous | None,
+        homogeneous: Homogeneous | None = None,
         forces: list[EdgeForce],
         strategy: Strategy,
     ):
@@ -160,9 +161,11 @@ class FieldProblem:
             cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
             B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
             forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
-            steps.append(StepJacobian(K, B, state.free, boundary.observe / sigma, forces, boundary.errors))
+            seen = boundary.observe / sigma
+            steps.append(StepJacobian(K=K, B=B, free=state.free, observe=seen, forces=forces, errors=boundary.errors))
         errors = shared_errors(self.forces) / np.array([force.sigma for force in self.forces])[:, None]
-        return Jacobian(steps, [force.step for force in self.forces], errors, sigma, self._shares)
+        of_forces = [force.step for force in self.forces]
+        return Jacobian(steps=steps, force_steps=of_forces, force_errors=errors, sigma=sigma, shares=self._shares)
 
 
 def field_problem(
@@ -185,16 +188,26 @@ def field_problem(
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
     equilibrium = FieldEquilibrium.of(observations, basis, strategy)
-    homogeneous = fit_homogeneous(observations, basis, equilibrium, strategy)
-    forces = _forces(measurement, observations, settings, strategy)
-    return FieldProblem(observations, basis, equilibrium, homogeneous, forces, strategy)
+    return FieldProblem(
+        observations=observations,
+        basis=basis,
+        equilibrium=equilibrium,
+        homogeneous=fit_homogeneous(observations, basis, equilibrium, strategy),
+        forces=_forces(measurement, observations, settings, strategy),
+        strategy=strategy,
+    )
 
 
 def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
     """The same test of a sheet of another law; the homogeneous fit stays that of the first."""
-    observations, strategy = problem.observations, problem.strategy
-    equilibrium = FieldEquilibrium.of(observations, law, strategy)
-    return FieldProblem(observations, law, equilibrium, problem.homogeneous, problem.forces, strategy)
+    return FieldProblem(
+        observations=problem.observations,
+        basis=law,
+        equilibrium=FieldEquilibrium.of(problem.observations, law, problem.strategy),
+        homogeneous=problem.homogeneous,
+        forces=problem.forces,
+        strategy=problem.strategy,
+    )
 
 
 def problem_of_basis(
@@ -215,7 +228,9 @@ def problem_of_basis(
     observations = observe(measurement, subcells, strategy, floor, at_lines)
     equilibrium = FieldEquilibrium.of(observations, basis, strategy)
     forces = _forces(measurement, observations, settings, strategy)
-    return FieldProblem(observations, basis, equilibrium, None, forces, strategy)
+    return FieldProblem(
+        observations=observations, basis=basis, equilibrium=equilibrium, forces=forces, strategy=strategy
+    )
 
 
 def _forces(measurement, observations: Observations, settings: Constrained, strategy: Strategy) -> list[EdgeForce]:

@@ -56,7 +56,7 @@ class Regulariser:
             divided among them.
     """
 
-    def __init__(self, mesh: Mesh, names, unit: float, stiffness: Callable, strategy: Strategy = STRATEGY):
+    def __init__(self, *, mesh: Mesh, names, unit: float, stiffness: Callable, strategy: Strategy = STRATEGY):
         sides, length, _ = mesh.neighbours()
         corners, across = mesh.diagonal_neighbours()
         isotropic = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / unit

@@ -17,7 +17,7 @@ from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh
 from hypernode.identification.settings import Strategy
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EdgeForce:
     """A measured resultant.
 
@@ -85,6 +85,15 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
             sigma = relative[step] * max(abs(value), strategy.smallest_force * largest[step])
             of_channel = force[load_case == case][:, [2 * axis, 2 * axis + 1], i]
             offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))
-            shared = gains * value, offset
-            forces.append(EdgeForce(step, direction.ravel(), value, sigma, (int(case), i, axis), *shared))
+            forces.append(
+                EdgeForce(
+                    step=step,
+                    direction=direction.ravel(),
+                    value=value,
+                    sigma=sigma,
+                    channel=(int(case), i, axis),
+                    gain=gains * value,
+                    offset=offset,
+                )
+            )
     return forces

@@ -31,7 +31,7 @@ LOGARITHMIC = [name for term in ("I1_squared", "I2", "ogden") for name in PARAME
 LEAST_LEVEL = 0.1
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Joined:
     """The coefficients of one term beside the numbers of a field, to first order where they are zero.
 
@@ -127,7 +127,7 @@ class ScoreTest:
         points: law with all terms.
     """
 
-    def __init__(self, test: SeenTest, field: Interfaces, states, sigma: float, terms: Sequence[str]):
+    def __init__(self, *, test: SeenTest, field: Interfaces, states, sigma: float, terms: Sequence[str]):
         problem = test.problem
         self.points, self._field = TermPoints(problem.basis, terms), field
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
@@ -162,24 +162,24 @@ class ScoreTest:
         between = self._curvature[np.ix_(self._free, theirs)]
         follow = scipy.linalg.cho_solve(own, between)
         return Joined(
-            law,
-            self.points.among(materials.T).T,
-            [law.names.index(name) for name in self.points.kept.names],
-            [law.names.index(name) for name in PARAMETERS[term]],
-            into,
-            self._y,
-            self._free,
-            own,
-            between,
-            self._curvature[np.ix_(theirs, theirs)] - between.T @ follow,
-            self._gradient[theirs] - follow.T @ self._pull,
+            law=law,
+            materials=self.points.among(materials.T).T,
+            kept=[law.names.index(name) for name in self.points.kept.names],
+            new=[law.names.index(name) for name in PARAMETERS[term]],
+            into=into,
+            y=self._y,
+            free=self._free,
+            own=own,
+            between=between,
+            reduced=self._curvature[np.ix_(theirs, theirs)] - between.T @ follow,
+            slope=self._gradient[theirs] - follow.T @ self._pull,
         )
 
 
 def score_test(kept: Candidate, terms: tuple[str, ...]) -> ScoreTest:
     """Terms that may join the law of a candidate, with what it leaves of displacements as their noise."""
     test = SeenTest(kept.problem, kept.fit.steps, kept.fit.window, kept.fit.edges)
-    return ScoreTest(test, kept.fit.field, kept.fit.states, kept.sigma_left, terms)
+    return ScoreTest(test=test, field=kept.fit.field, states=kept.fit.states, sigma=kept.sigma_left, terms=terms)
 
 
 def price(kept: Candidate, parameters: int, numbers: int) -> float:

@@ -1,13 +1,14 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
+from hypernode.identification.coats import Cuts
 from hypernode.identification.errors import EdgeAnswers, SharedErrors
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.observations import seen_points
@@ -15,13 +16,21 @@ from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian
-from hypernode.identification.sheet import Sheet
+from hypernode.identification.sheet import CellMaterials, Sheet
 from hypernode.identification.window_error import grid_step
 
 #: Half of the difference of two windows, in points, that stands for a derivative.
 DIFFERENCE = 0.05
 #: Largest side of a window, in points.
 LARGEST_WINDOW = 6.0
+
+
+@runtime_checkable
+class OfCells(Protocol):
+    """A field that says what cells are of: :class:`Interfaces`, or one whose materials differ from cell to cell."""
+
+    def cells(self) -> tuple[CellMaterials, Cuts | None]:
+        """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
 
 
 class Answer(NamedTuple):
@@ -113,7 +122,7 @@ class SeenTest:
 
     # Equilibrium and what is left.
 
-    def followed(self, field: Interfaces, states, answers: Sequence[Answer], change) -> list | None:
+    def followed(self, field: OfCells, states, answers: Sequence[Answer], change) -> list | None:
         """Equilibrium of every step after a change of the numbers; None where there is none.
 
         Args:
@@ -124,7 +133,7 @@ class SeenTest:
         near = [answer.near(u, change) for u, answer in zip(before, answers, strict=True)]
         return self.states(field, near) or self.states(field, before)
 
-    def states(self, field: Interfaces, guesses) -> list | None:
+    def states(self, field: OfCells, guesses) -> list | None:
         """Equilibrium of every step near guesses of the displacement; None where there is none."""
         (of, _), found = field.cells(), []
         for guess, boundary in zip(guesses, self.boundaries, strict=True):
@@ -203,8 +212,22 @@ class SeenTest:
         for each, load, edges in zip(self._of_steps(states), loads, known, strict=True):
             (_, _, K), boundary, observe, forces = each
             directions = [(f.direction, f.sigma) for f in forces]
-            answered = np.concatenate([edges.u / self.sigma, edges.f])
-            given = observe / self.sigma, directions, boundary.errors, answered
-            steps.append(StepJacobian(K, load, boundary.free, *given))
+            steps.append(
+                StepJacobian(
+                    K=K,
+                    B=load,
+                    free=boundary.free,
+                    observe=observe / self.sigma,
+                    forces=directions,
+                    errors=boundary.errors,
+                    answered=np.concatenate([edges.u / self.sigma, edges.f]),
+                )
+            )
         of_forces = [self.steps.index(f.step) for each in self.forces for f in each]
-        return Jacobian(steps, of_forces, np.concatenate(self._loads), self.sigma, np.ones(len(steps)))
+        return Jacobian(
+            steps=steps,
+            force_steps=of_forces,
+            force_errors=np.concatenate(self._loads),
+            sigma=self.sigma,
+            shares=np.ones(len(steps)),
+        )

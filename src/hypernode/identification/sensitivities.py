@@ -90,7 +90,7 @@ class StepJacobian:
         answered: A, where it is known (residual, independent standard normal number).
     """
 
-    def __init__(self, K, B, free, observe, forces, errors, answered=None):
+    def __init__(self, *, K, B, free, observe, forces, errors, answered=None):
         rows = K[free]
         self.factor = factorise(rows[:, free])
         self._load, self._observe = B[free], observe[:, free]
@@ -155,7 +155,7 @@ class Jacobian:
         shares: weight of every load step in :meth:`nearly_curvature`.
     """
 
-    def __init__(self, steps: list[StepJacobian], force_steps: list[int], force_errors, sigma: float, shares):
+    def __init__(self, *, steps: list[StepJacobian], force_steps: list[int], force_errors, sigma: float, shares):
         self.steps, self.sigma, self._shares = steps, sigma, np.asarray(shares)
         of_step = np.concatenate(
             [*(np.full(step.observed, k) for k, step in enumerate(steps)), np.array(force_steps, int)]

@@ -7,7 +7,7 @@ What is here follows from the mathematics, from finite-element errors, or from w
 from dataclasses import dataclass, field
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Strategy:
     """Constants of the identification of a constrained field."""
 

@@ -15,7 +15,7 @@ from hypernode.identification.points import Points
 STEPS = 12
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CellMaterials:
     """Which materials cells are of.
 
@@ -55,7 +55,7 @@ class CellMaterials:
         return (of_pieces.reshape(-1, len(pieces)) @ add).reshape(*of_pieces.shape[:-1], count)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CellResponse:
     """Nodal forces of cells by what decides them.
 
@@ -126,7 +126,7 @@ class Sheet:
         force = self._forces(P[:, :, None])[..., 0]
         if with_parameters:
             pieces = self._of_pieces(layers, of) if len(of.cell) else _no_pieces(D.shape[2])
-            cells = CellResponse(self._forces(D * whole * of.factor), *pieces, force)
+            cells = CellResponse(by_one=self._forces(D * whole * of.factor), by_factor=force, **pieces)
         # Forces follow from P by B, and F from u by B again.
         half = np.einsum("aJqc,iJkLqc->aikLqc", self._B, A * self._weight, optimize=True)
         K = np.einsum("aikLqc,bLqc->caibk", half, self._B, optimize=True).reshape(-1)
@@ -144,9 +144,11 @@ class Sheet:
         flat, every = F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads))
         D = self.points.by_parameters(flat, every).reshape(2, 2, -1, quads, len(whole))
         by_one = self._forces(D * whole * of.factor)
-        if not len(of.cell):
-            return by_one, *_no_pieces(D.shape[2])[:2]
-        return by_one, *self._of_pieces(of.layers(self.points, F[..., of.cell], True), of)[:2]
+        if len(of.cell):
+            pieces = self._of_pieces(of.layers(self.points, F[..., of.cell], True), of)
+        else:
+            pieces = _no_pieces(D.shape[2])
+        return by_one, pieces["by_first"], pieces["by_second"]
 
     def _deformation(self, u) -> Float[np.ndarray, "2 2 quad cell"]:
         H = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B)
@@ -158,15 +160,16 @@ class Sheet:
         found = np.einsum("aJqc,iJpqc->caip", B, P * weight, optimize=True)
         return found.reshape(found.shape[0], 8, -1)
 
-    def _of_pieces(self, layers: LaminateStress, of: CellMaterials):
-        """Everything of :class:`CellResponse` that pairs of layers have."""
+    def _of_pieces(self, layers: LaminateStress, of: CellMaterials) -> dict[str, np.ndarray]:
+        """Everything of :class:`CellResponse` that pairs of layers have, by name."""
         found, quads, factor = [], self._B.shape[2], of.factor[of.cell]
         each = layers.by_first, layers.by_second, layers.P[:, :, None], layers.by_share[:, :, None], layers.by_normal
         for part, weight in zip(each, (of.weight, of.weight, np.ones(len(of.cell)), of.weight, of.weight), strict=True):
             stress = part.reshape(*part.shape[:3], quads, -1) * (weight * factor)
             found.append(self._forces(stress, of.cell))
         by_first, by_second, by_weight, by_share, by_normal = found
-        return by_first, by_second, by_weight[..., 0], by_share[..., 0], by_normal
+        by_number = {"by_weight": by_weight[..., 0], "by_share": by_share[..., 0]}
+        return {"by_first": by_first, "by_second": by_second, "by_normal": by_normal, **by_number}
 
     def equilibrium(self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float):
         """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none."""
@@ -185,6 +188,7 @@ class Sheet:
         return None
 
 
-def _no_pieces(parameters: int):
-    """What :class:`CellResponse` has of pairs of layers where there are none."""
-    return np.zeros((0, 8, parameters)), np.zeros((0, 8, parameters)), *2 * (np.zeros((0, 8)),), np.zeros((0, 8, 2))
+def _no_pieces(parameters: int) -> dict[str, np.ndarray]:
+    """What :class:`CellResponse` has of pairs of layers where there are none, by name."""
+    shapes = {"by_first": (parameters,), "by_second": (parameters,), "by_weight": (), "by_share": (), "by_normal": (2,)}
+    return {name: np.zeros((0, 8, *shape)) for name, shape in shapes.items()}

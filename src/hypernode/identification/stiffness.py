@@ -6,6 +6,7 @@ residual of the displacements serves as their noise, so steps far from the solut
 share their numbers, which keeps the systems small.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -68,8 +69,7 @@ class Shifted:
         materials = of.materials[material]
         materials[:, columns] += values[np.concatenate([cells, of.cell, of.cell])]
         first = len(cells) + pieces
-        layers = of.cell, first, first + len(pieces), of.share, of.normal, of.weight
-        self._of = CellMaterials(materials, cells, *layers, of.factor)
+        self._of = replace(of, materials=materials, one=cells, first=first, second=first + len(pieces))
 
     def cells(self) -> tuple[CellMaterials, None]:
         """(what every cell is of, no lines that move)."""

@@ -103,7 +103,7 @@ class Trials:
             lines = start.fit.determined - start.fit.of_materials
             fit = dataclasses.replace(fit, determined=fit.of_materials + lines)
         reached = {k: state[0] for k, state in zip(steps, fit.states, strict=True)}
-        found = Candidate(move, start, problem, fit, {**u, **reached})
+        found = Candidate(move=move, start=start, problem=problem, fit=fit, u={**u, **reached})
         sought = f", window of {fit.window:.2f} points" if find_window else ""
         say(
             "constrained",

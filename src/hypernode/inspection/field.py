@@ -35,7 +35,7 @@ class Lost:
 _MOST_ABSENT = 1000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Field:
     """The frames of a folder.
 
@@ -113,12 +113,12 @@ def read_field(test: SpecimenTest, found: Found) -> Field:
         series = read_test(test)
     up = found.dialect.y_up if test.y_points is None else test.y_points == "up"
     return Field(
-        found.dialect.software,
-        found.dialect.name,
-        "up" if up else "down",
-        _is_stereo(found, series),
-        series,
-        tuple(each for each in said if not each.startswith("warning: ")),
+        software=found.dialect.software,
+        dialect=found.dialect.name,
+        y_points="up" if up else "down",
+        stereo=_is_stereo(found, series),
+        series=series,
+        said=tuple(each for each in said if not each.startswith("warning: ")),
     )
 
 

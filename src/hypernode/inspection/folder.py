@@ -34,7 +34,7 @@ _TWO_FORCES = [load for load, parts in RESULTANTS.items() if len(parts) > 1]
 _FALLS = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Inspection:
     """What is found out about a folder.
 
@@ -91,7 +91,8 @@ def inspect(folder: Path, given: Mapping[str, object]) -> Inspection:
     known = Known(given)
     test = known.specimen(folder)
     content = content_of(test)
-    seen = Inspection(folder, name, known, content, *record_files(content.tables, test))
+    files, others = record_files(content.tables, test)
+    seen = Inspection(folder=folder, name=name, known=known, content=content, files=files, others=others)
     if content.frames is None:
         return replace(seen, known=known + missing(content.refusal))
     try:

@@ -1,6 +1,6 @@
 """Which load a test looks like, from mean gradients and from what its end lines do."""
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -51,6 +51,7 @@ class LoadSeen:
     reason: str
     frame: int
     gradient: Float[np.ndarray, "2 2"]
+    _: KW_ONLY
     question: str = ""
 
     @property
@@ -87,7 +88,7 @@ def recognised(series: Series) -> LoadSeen:
     number, pair = best
     kind, reason = _kind(pair)
     H = np.stack([each.gradient for each in pair], axis=1)
-    return LoadSeen(kind, reason, number, H, _swapped(H, kind))
+    return LoadSeen(kind, reason, number, H, question=_swapped(H, kind))
 
 
 def _swapped(H: Float[np.ndarray, "2 2"], kind: str | None) -> str:

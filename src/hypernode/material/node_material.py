@@ -20,7 +20,7 @@ CONSTANT_START = {"I1": 0.4, "I2": 0.05} | dict.fromkeys(POWERS, 0.02)
 AMOUNT_COST = 0.3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NodeMaterial:
     """Which terms a material has and how its parameters are laid out in one vector.
 

@@ -26,7 +26,7 @@ _SCRIPTS = Path(__file__).with_name("engines")
 _LINES = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Correlated:
     """Points of the first picture in all others.
 
@@ -60,18 +60,23 @@ class Correlated:
         """The nodes of finite elements as points."""
         column, row = np.round(seen.mesh.nodes).astype(int).T
         return cls(
-            column,
-            row,
-            np.concatenate([np.zeros((1, *seen.u.shape[1:])), seen.u]),
-            np.concatenate([np.ones((1, len(column))), seen.correlation]),
-            step,
+            column=column,
+            row=row,
+            displacement=np.concatenate([np.zeros((1, *seen.u.shape[1:])), seen.u]),
+            correlation=np.concatenate([np.ones((1, len(column))), seen.correlation]),
+            step=step,
         )
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> "Correlated":
         """What :meth:`to_dataset` made a dataset of."""
-        names = ("pixel_column", "pixel_row", "pixel_displacement", "correlation")
-        return cls(*(dataset[name].values for name in names), int(dataset.attrs["correlation_step"]))
+        return cls(
+            column=dataset["pixel_column"].values,
+            row=dataset["pixel_row"].values,
+            displacement=dataset["pixel_displacement"].values,
+            correlation=dataset["correlation"].values,
+            step=int(dataset.attrs["correlation_step"]),
+        )
 
 
 def python_of(engine: str) -> Path:
@@ -132,11 +137,11 @@ def correlate(
     correlation = np.where(lost, np.nan, correlation)
     first = np.zeros((1, *displacement.shape[1:])), np.ones((1, len(column)))
     return Correlated(
-        column.astype(int),
-        row.astype(int),
-        np.concatenate([first[0], displacement]),
-        np.concatenate([first[1], correlation]),
-        settings.step,
+        column=column.astype(int),
+        row=row.astype(int),
+        displacement=np.concatenate([first[0], displacement]),
+        correlation=np.concatenate([first[1], correlation]),
+        step=settings.step,
     )
 
 

@@ -46,7 +46,7 @@ def lattice(mask: Bool[np.ndarray, "row column"], side: int) -> Mesh | None:
     return rectilinear(*(line.astype(float) for line in lines), keep) if keep.any() else None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Linearised:
     """What a picture says of the displacement of the nodes, near one displacement.
 
@@ -138,7 +138,13 @@ class Elements:
         gradient = np.einsum("cqk,cq->ck", each, residual)
         # That of the reference is whole, at its own pixels.
         share = 1.0 + (noise_between(place[seen]) if seen.any() else 1.0)
-        return Linearised(residual, information.reshape(-1, 4, 2, 4, 2), gradient.reshape(-1, 4, 2), seen, share)
+        return Linearised(
+            residual=residual,
+            information=information.reshape(-1, 4, 2, 4, 2),
+            gradient=gradient.reshape(-1, 4, 2),
+            seen=seen,
+            noise_share=share,
+        )
 
     @cached_property
     def noise_tells(self) -> Float[np.ndarray, " 4"]:

@@ -55,7 +55,7 @@ def quadratic_gain(waves: Float[np.ndarray, " wave"]) -> Float[np.ndarray, " wav
 KERNELS = {"average": average_gain, "quadratic": quadratic_gain}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Transfer:
     """What an engine makes of displacement fields.
 
@@ -129,8 +129,18 @@ def measured(settings: Correlation, pictures: Pictures, side: int = 420, threads
     fits = {kernel: _fitted(kernel, settings.subset / wavelength, gain) for kernel in KERNELS}
     nearest = min(fits, key=lambda kernel: fits[kernel][2])
     noise, length = _noise(found, 1)
-    misfit = {kernel: fit[2] for kernel, fit in fits.items()}
-    return Transfer(wavelength, gain, error, nearest, misfit, *fits[nearest][:2], noise, length)
+    width, width_error, _ = fits[nearest]
+    return Transfer(
+        wavelength=wavelength,
+        gain=gain,
+        gain_error=error,
+        kernel=nearest,
+        misfit={kernel: fit[2] for kernel, fit in fits.items()},
+        width=width,
+        width_error=width_error,
+        noise=noise,
+        noise_length=length,
+    )
 
 
 def _amplitude(found: Correlated, frame: int, wavelength: float, subset: int) -> tuple[float, float]:

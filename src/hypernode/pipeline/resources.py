@@ -1,7 +1,7 @@
 """What a job of each rule takes of a machine: memory and time, by the size of its sheet (docs/decisions/0028)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cache
 
 from hypernode.config.model import Config
@@ -32,6 +32,7 @@ class Need:
     """
 
     memory: float
+    _: KW_ONLY
     a_cell: float = 0.0
     a_state: float = 0.0
     minutes: float = 5.0

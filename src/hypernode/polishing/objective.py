@@ -124,7 +124,9 @@ def weight_objective(
     def first(values):
         return values[:, 0], np.tile(np.eye(values.shape[1])[0], (len(values), 1))
 
-    regulariser = Regulariser(problem.mesh, jumps.names, strategy.unit_length(areas), first, strategy)
+    regulariser = Regulariser(
+        mesh=problem.mesh, names=jumps.names, unit=strategy.unit_length(areas), stiffness=first, strategy=strategy
+    )
     finest = strategy.sharp_jump if problem.sharp else strategy.smallest_jump
     cost = JumpCost(finest, constrained.jump_scale, isotropic=True)
     nearness = Nearness(problem.basis, field.params(field.start), modes, settings.deviation)

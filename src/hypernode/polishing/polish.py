@@ -42,7 +42,7 @@ class Polished:
     ending: Ending | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Part:
     """Some load steps of a test and how the network before explains them."""
 
@@ -56,7 +56,7 @@ class _Part:
     def of(cls, problem: FieldProblem, steps, params, states) -> "_Part":
         part, states = problem.of_steps(steps), [states[step] for step in steps]
         linear = part.linearise(params, states, problem.sigma)
-        return cls(part, steps, states, linear, Misfit.of(part, states, linear))
+        return cls(problem=part, steps=steps, states=states, linear=linear, before=Misfit.of(part, states, linear))
 
     def after(self, states) -> Misfit:
         return Misfit.of(self.problem, [states[step] for step in self.steps], self.linear)

@@ -27,7 +27,7 @@ from hypernode.progress import Progress
 PARTS = (1, 2, 4, 8)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Prediction:
     """A sheet under the load steps of its test.
 
@@ -83,15 +83,23 @@ def predict(
     members = max(len(pool) for pool in pools)
     progress = Progress("prediction", name, members * len(problem.observations.boundaries))
     seen = seen_points(problem.refinement, *correlation_window(measurement))
-    each = [_Member(problem, seen, layout, [p[m % len(p)] for p in pools], progress) for m in range(members)]
+    each = [
+        _Member(problem=problem, seen=seen, layout=layout, laws=[p[m % len(p)] for p in pools], progress=progress)
+        for m in range(members)
+    ]
     scale = float(measurement.attrs["thickness"]) * relaxation(measurement)
     u, u_variance = _together([m.u for m in each], [m.u_variance for m in each])
     force, force_variance = _together([m.force for m in each], [m.force_variance for m in each])
     F = deformation_gradient(problem.observations.grid, u)
     return Prediction(
-        *(problem, each[0].field, u, np.sqrt(u_variance)),
-        *(scale * force, scale * np.sqrt(force_variance)),
-        *(F, _remarks(pools, F)),
+        problem=problem,
+        field=each[0].field,
+        u=u,
+        u_spread=np.sqrt(u_variance),
+        force=scale * force,
+        force_spread=scale * np.sqrt(force_variance),
+        F=F,
+        remarks=_remarks(pools, F),
     )
 
 
@@ -118,7 +126,7 @@ def _remarks(pools: Sequence[Sequence[PhaseLaw]], F) -> list[str]:
 class _Member:
     """The prediction of one set of laws, one for each phase."""
 
-    def __init__(self, problem: FieldProblem, seen, layout: Layout, laws: Sequence[PhaseLaw], progress: Progress):
+    def __init__(self, *, problem: FieldProblem, seen, layout: Layout, laws: Sequence[PhaseLaw], progress: Progress):
         switched, observations = problem.basis, problem.observations
         of = [switched.laws.index(law.basis) for law in laws]
         self.field = layout.field(

@@ -15,7 +15,7 @@ from hypernode.prediction.predict import Prediction
 SPREADS = 2.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Score:
     """How far a prediction is from what was measured; None where the test has no forces, or no displacement inside.
 
@@ -47,8 +47,16 @@ def score(measurement: xr.Dataset, prediction: Prediction) -> Score:
     Args:
         measurement: opened.
     """
-    of_forces = _forces(measurement, prediction) if measurement.attrs["forces"] == "measured" else (None, None)
-    return Score(*of_forces, *_displacements(measurement, prediction))
+    measured = measurement.attrs["forces"] == "measured"
+    force_error, force_within = _forces(measurement, prediction) if measured else (None, None)
+    displacement_error, noise, displacement_within = _displacements(measurement, prediction)
+    return Score(
+        force_error=force_error,
+        force_within=force_within,
+        displacement_error=displacement_error,
+        displacement_noise=noise,
+        displacement_within=displacement_within,
+    )
 
 
 def _forces(measurement: xr.Dataset, prediction: Prediction) -> tuple[list[float], float]:

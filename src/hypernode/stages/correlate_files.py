@@ -70,7 +70,7 @@ def run(photographs: Photographs, settings: Correlation, output: Path, threads: 
     upward = np.array([1.0, -1.0]) * photographs.mm_per_pixel
     position = np.stack([found.column, found.row], axis=1) * upward
     series, _ = series_of(paths[0], position, found.displacement * upward)
-    frames = write_series(Series(series.x, series.y, series.frames, "mm"), output)
+    frames = write_series(Series(series.x, series.y, series.frames, unit="mm"), output)
     times = seconds_of(paths)
     if times is not None:
         for frame, time in zip(frames, np.round(np.abs(times - times[0]), 6), strict=True):

@@ -124,7 +124,7 @@ def _load_cases(
         load = kind if kind in get_args(SpecimenLoad) else "biaxial"
         test = specimen.model_copy(update={"load": load})
         pulls = {(i, J): _pull(force[steps], i, J) for i, J in RESULTANTS[kind]}
-        cases.append(load_case_of(specimen, test, Series(series.x, series.y, frames, series.unit), pulls))
+        cases.append(load_case_of(specimen, test, Series(series.x, series.y, frames, unit=series.unit), pulls))
     return cases
 
 

@@ -29,6 +29,6 @@ def run(folder: Path, kind: str, noise: float, seed: int) -> Path:
         raise DicError(f"{folder}: holds something already: name a new folder")
     test = practice_test(kind, noise, seed)
     frames = [Frame(number, displacement) for number, displacement in enumerate(test.displacement)]
-    write_series(Series(test.lines, test.lines, frames, "mm"), folder)
+    write_series(Series(test.lines, test.lines, frames, unit="mm"), folder)
     write_force_record(folder / "force_disp.csv", np.arange(float(len(frames))), test.moved, test.force)
     return folder

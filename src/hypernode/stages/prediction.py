@@ -35,7 +35,7 @@ class LawFrom:
     phase: int | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Target:
     """The sheet that is predicted: a measurement, or a size and a load; and where its phases are.
 

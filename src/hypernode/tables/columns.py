@@ -1,7 +1,7 @@
 """What a column of a table is: the number it takes from a result file, its unit, and how that number is printed."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Literal
 
 #: How a column's numbers were judged -> the words for it under the table.
@@ -31,6 +31,7 @@ class Column:
 
     key: str
     style: Literal["percent", "share", "number", "count", "text"]
+    _: KW_ONLY
     unit: str = "-"
     better: Literal["low", "high", ""] = ""
     judged_at: Literal["prescribed", "measured", "identified", ""] = ""
@@ -90,12 +91,16 @@ _RUNS = {
     "without ten cells": _error("stress_error_without_ten_cells"),
     "against cell means": _error("stress_error_cell_mean"),
     "contrast error": _error("contrast_error"),
-    "misfit of u": Column("displacement_misfit", "number", "noise", judged_at="identified"),
-    "misfit of forces": Column("force_misfit", "number", "noise", judged_at="identified"),
-    "prediction of u": Column("left_out_displacement_misfit", "number", "noise", judged_at="identified"),
-    "prediction of forces": Column("left_out_force_misfit", "number", "noise", judged_at="identified"),
-    "held-out misfit of u": Column("held_out_displacement_misfit", "number", "noise", "low", "identified"),
-    "held-out misfit of forces": Column("held_out_force_misfit", "number", "noise", "low", "identified"),
+    "misfit of u": Column("displacement_misfit", "number", unit="noise", judged_at="identified"),
+    "misfit of forces": Column("force_misfit", "number", unit="noise", judged_at="identified"),
+    "prediction of u": Column("left_out_displacement_misfit", "number", unit="noise", judged_at="identified"),
+    "prediction of forces": Column("left_out_force_misfit", "number", unit="noise", judged_at="identified"),
+    "held-out misfit of u": Column(
+        "held_out_displacement_misfit", "number", unit="noise", better="low", judged_at="identified"
+    ),
+    "held-out misfit of forces": Column(
+        "held_out_force_misfit", "number", unit="noise", better="low", judged_at="identified"
+    ),
     "polish": Column("polish", "text"),
     "constrained field alone": _error("stress_error_constrained"),
     "networks against it": _error("network_error"),
@@ -105,8 +110,8 @@ _RUNS = {
     "Dice": _overlap("dice"),
     "registered Dice": _overlap("dice_registered"),
     "IoU": _overlap("iou"),
-    "boundary distance": Column("boundary_distance", "number", "length", "low", "prescribed"),
-    "fibre angle error": Column("fibre_angle_error", "number", "degree", "low", "prescribed"),
+    "boundary distance": Column("boundary_distance", "number", unit="length", better="low", judged_at="prescribed"),
+    "fibre angle error": Column("fibre_angle_error", "number", unit="degree", better="low", judged_at="prescribed"),
     "NRMSE matrix": _error("curve_nrmse_matrix"),
     "NRMSE inclusion": _error("curve_nrmse_inclusion"),
     "R2 matrix": _overlap("curve_r2_matrix"),
@@ -124,9 +129,9 @@ _RUNS = {
     "phases found": Column("phases_found", "count", judged_at="prescribed"),
     "inclusion / matrix": Column("inclusion_over_matrix", "number", judged_at="prescribed"),
     "interpolant misfit": Column("interpolant_misfit", "percent"),
-    "SNR measured": Column("snr_measured", "number", "dB"),
-    "SNR smoothed": Column("snr_smoothed", "number", "dB"),
-    "SNR used": Column("snr_used", "number", "dB"),
+    "SNR measured": Column("snr_measured", "number", unit="dB"),
+    "SNR smoothed": Column("snr_smoothed", "number", unit="dB"),
+    "SNR used": Column("snr_used", "number", unit="dB"),
     "smallest stretch seen": Column("smallest_stretch", "number", judged_at="identified"),
     "largest stretch seen": Column("largest_stretch", "number", judged_at="identified"),
     "parameters": Column("parameters", "count"),

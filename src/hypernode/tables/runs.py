@@ -95,7 +95,7 @@ def run_table(runs: list[Run], kind: str, chosen: list[str]) -> Table:
         notes.append(VERDICT_NOTE)
     best = best_values(frame, {name: columns[name] for name in shown}, "case")
     notes = [*judged_notes(columns, shown), *notes, *([BEST_NOTE] if best else [])]
-    return Table(frame, columns, shown, best, notes)
+    return Table(frame, columns, shown, best=best, notes=notes)
 
 
 def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str, str]) -> Table:
@@ -132,4 +132,4 @@ def group_table(runs: list[Run], kind: str, chosen: list[str], groups: dict[str,
     compared = frame[frame["statistic"].isin(COMPARED)]
     best = best_values(compared, {name: columns[name] for name in shown}, "statistic")
     notes = [*judged_notes(columns, shown), *(["Bold: best group."] if best else [])]
-    return Table(frame, columns, shown, best, notes)
+    return Table(frame, columns, shown, best=best, notes=notes)

@@ -1,6 +1,6 @@
 """A table before it is written: every number unrounded, and what of it is shown."""
 
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 import pandas as pd
 
@@ -22,6 +22,7 @@ class Table:
     frame: pd.DataFrame
     columns: dict[str, Column]
     shown: list[str]
+    _: KW_ONLY
     best: set[tuple[int, str]] = field(default_factory=set)
     notes: list[str] = field(default_factory=list)
 

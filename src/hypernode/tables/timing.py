@@ -6,7 +6,7 @@ from pathlib import Path
 from hypernode.tables.columns import Column
 from hypernode.tables.table import Table, make_frame
 
-COLUMNS = {"wall time": Column("s", "number", "s"), "peak memory": Column("max_rss", "number", "MB")}
+COLUMNS = {"wall time": Column("s", "number", unit="s"), "peak memory": Column("max_rss", "number", unit="MB")}
 
 
 def timing_table(benchmarks: list[str]) -> Table:

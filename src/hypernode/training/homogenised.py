@@ -62,9 +62,9 @@ def fit_homogenised(
     largest = max(float(jnp.max(invariant)) - 3.0 for invariant in invariants(mean_F, jnp.zeros(()))[:2])
     unit = loading.scale if method.normalised else np.ones_like(loading.scale)
     node = NodeMaterial(
-        terms_for(method.node, field_terms),
-        tuple(method.node.hidden),
-        method.node.rk4_steps,
+        terms=terms_for(method.node, field_terms),
+        hidden=tuple(method.node.hidden),
+        steps=method.node.rk4_steps,
         invariant_scale=largest if method.normalised else 1.0,
         stress_scale=float(unit.max()),
         share=method.node.share,

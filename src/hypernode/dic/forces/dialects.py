@@ -11,7 +11,7 @@ from typing import Literal
 PULL = "pull"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceDialect:
     """How one program writes a record.
 

@@ -16,7 +16,7 @@ from hypernode.dic.series import Series
 from hypernode.dic.text import shown
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceRecord:
     """What a machine recorded.
 
@@ -33,8 +33,8 @@ class ForceRecord:
     """
 
     path: Path
-    dialect: ForceDialect | None
-    time: Float[np.ndarray, " sample"] | None
+    dialect: ForceDialect | None = None
+    time: Float[np.ndarray, " sample"] | None = None
     image: Float[np.ndarray, " sample"] | None
     axes: tuple[str, ...]
     force: Float[np.ndarray, "sample axis"]
@@ -87,15 +87,15 @@ def read_force_record(
     values = _samples(table, columns, decimal, timed=where[0] is not None)
     _not_volts(table, forces, values[:, -len(forces) :], decimal)
     return ForceRecord(
-        path,
-        table.dialect,
-        None if where[0] is None else values[:, 0],
-        None if where[1] is None else pictures_of(table, where[1], needed=where[0] is None),
-        tuple(forces),
-        values[:, -len(forces) :],
-        _displacement(table, tuple(forces), decimal),
-        tuple(table.header[at] for at in forces.values()),
-        _section(table, values[:, -1], decimal) if len(forces) == 1 else None,
+        path=path,
+        dialect=table.dialect,
+        time=None if where[0] is None else values[:, 0],
+        image=None if where[1] is None else pictures_of(table, where[1], needed=where[0] is None),
+        axes=tuple(forces),
+        force=values[:, -len(forces) :],
+        displacement=_displacement(table, tuple(forces), decimal),
+        channels=tuple(table.header[at] for at in forces.values()),
+        section=_section(table, values[:, -1], decimal) if len(forces) == 1 else None,
     )
 
 
@@ -115,7 +115,8 @@ def record_of_frames(folder: Path, series: Series) -> ForceRecord:
     force = np.array([[frame.force] for frame in frames])
     way = [[frame.crosshead] for frame in frames]
     way = None if [None] in way else np.array(way)
-    return ForceRecord(folder, None, None, numbers, (PULL,), force, way, ("force of each frame",))
+    named = ("force of each frame",)
+    return ForceRecord(path=folder, image=numbers, axes=(PULL,), force=force, displacement=way, channels=named)
 
 
 def _channel(table: Table, channel: str, key: str = "force_channel") -> int:

@@ -32,7 +32,7 @@ _SIGN = re.compile(r"^(?P<name>.+?)\s*(?:/|,|\s+in\s)\s*(?P<unit>[^\s/,]+)$")
 _UNITS = {*TIME_UNITS, *FORCE_UNITS, *LENGTH_UNITS, *STRESS_UNITS, *VOLTS}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Table:
     """A file cut into cells: its header, the units of its columns, and (line, cells) of its samples."""
 
@@ -184,7 +184,8 @@ def _in_dialect(
         elif not any(units):
             continue
         header = [cell.strip() for cell in row]
-        return Table(path, dialect, line, header, names, units, _samples(path, header, rows[below:]))
+        samples = _samples(path, header, rows[below:])
+        return Table(path=path, dialect=dialect, line=line, header=header, names=names, units=units, rows=samples)
     return None
 
 
