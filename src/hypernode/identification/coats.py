@@ -1,5 +1,6 @@
 """What lines make of the cells of a mesh when materials are laid one over the other, as coats of paint."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -34,8 +35,17 @@ class Cut(NamedTuple):
         return Cut(*(np.where(some.reshape(-1, *(1,) * (a.ndim - 1)), a, b) for a, b in zip(self, other, strict=True)))
 
 
-class Pieces(NamedTuple):
-    """Pairs of layers of cells that lines cut, as ``CellMaterials`` has them."""
+@dataclass(frozen=True, kw_only=True)
+class Pieces:
+    """Pairs of layers of cells that lines cut.
+
+    Attributes:
+        cell: number of the cell of each pair of layers (piece,).
+        first, second: materials on the positive and on the other side (piece,).
+        share: of the first (piece,).
+        normal: of the plane between them, towards the first (piece, 2).
+        weight: of the pair in its cell; those of a cell add up to one (piece,).
+    """
 
     cell: Int[np.ndarray, " piece"]
     first: Int[np.ndarray, " piece"]
@@ -101,4 +111,5 @@ def layers_of(base, low: Cut, up: Cut, once, twice) -> tuple[Pieces, Cuts]:
     cell = np.concatenate([once, *4 * [twice]])
     share, normal = np.where(line == low.line[cell], low.share[cell], up.share[cell]), up.normal[cell]
     normal = np.where((line == low.line[cell])[:, None], low.normal[cell], normal)
-    return Pieces(cell, first, second, share, normal, weight), Cuts(line, low.line[cell], up.line[cell], by_low, by_up)
+    pieces = Pieces(cell=cell, first=first, second=second, share=share, normal=normal, weight=weight)
+    return pieces, Cuts(line, low.line[cell], up.line[cell], by_low, by_up)

@@ -114,7 +114,7 @@ class Interfaces:
         once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
         pieces, cuts = layers_of(base, low, up, once, twice)
         factor = np.exp(log_factor)
-        return CellMaterials(materials=self.materials, one=base, factor=factor, **pieces._asdict()), cuts
+        return CellMaterials(materials=self.materials, one=base, factor=factor, **vars(pieces)), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""

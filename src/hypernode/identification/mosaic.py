@@ -67,7 +67,7 @@ class Mosaic(Interfaces):
         none, nowhere = Cut.none(len(self.of_cells)), np.zeros(0, int)
         pieces, cuts = layers_of(self.of_cells, none, none, nowhere, nowhere)
         factor = np.exp(log_factor)
-        return CellMaterials(materials=self.materials, one=self.of_cells, factor=factor, **pieces._asdict()), cuts
+        return CellMaterials(materials=self.materials, one=self.of_cells, factor=factor, **vars(pieces)), cuts
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material of every cell."""

@@ -63,12 +63,13 @@ def open_laws(found: InterfaceEstimate, settings: Constrained, count: int, seed:
     """
     kept, random, laws = found.found, np.random.default_rng(seed), []
     terms = open_terms(kept.terms, settings)
-    score = score_test(kept, terms) if terms else None
-    for term in terms_left(kept.terms, settings):
-        if term != "J":
-            laws.append(_of_term(kept, score, term, count, random))
-        elif not _volume_refuted(found):
-            laws.append(_of_volume(kept, count, random))
+    if terms:
+        score = score_test(kept, terms)
+        # Laws differ most in the largest step.
+        compared = _Compared(with_law(kept.problem, score.points.law), kept, largest_steps(kept.problem))
+        laws += [_of_term(kept, score, compared, term, count, random) for term in terms]
+    if "J" in terms_left(kept.terms, settings) and not _volume_refuted(found):
+        laws.append(_of_volume(kept, count, random))
     return [law for law in laws if law is not None]
 
 
@@ -84,11 +85,9 @@ def _volume_refuted(found: InterfaceEstimate) -> bool:
     return bool(tried) and found.left.independent * np.log(min(tried) / max(own, 1.0)) > AS_WELL
 
 
-def _of_term(kept: Candidate, score: ScoreTest, term: str, count: int, random) -> OpenLaw:
+def _of_term(kept: Candidate, score: ScoreTest, compared: "_Compared", term: str, count: int, random) -> OpenLaw:
     """A law that contains the kept one, fibres in all directions."""
     joined, fields, gains = score.joined(term), [], []
-    # Laws differ most in the largest step.
-    compared = _Compared(with_law(kept.problem, score.points.law), kept, largest_steps(kept.problem))
     for first, each in enumerate(joined):
         gains.append(each.least(USUAL)[1])
         size = len(each.slope)

@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
+from hypernode.identification.coats import Pieces
 from hypernode.identification.laminates import LaminateStress, laminate
 from hypernode.identification.points import Points
 
@@ -16,7 +17,7 @@ STEPS = 12
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellMaterials:
+class CellMaterials(Pieces):
     """Which materials cells are of.
 
     A cell that lines cut is a weighted mean of layers of two materials.
@@ -24,22 +25,11 @@ class CellMaterials:
     Attributes:
         materials: parameters (material, parameter).
         one: material of every cell; of a cut one it says nothing (cell,).
-        cell: number of the cell of each pair of layers (piece,).
-        first, second: materials on the positive and on the other side (piece,).
-        share: of the first (piece,).
-        normal: of the plane between them, towards the first (piece, 2).
-        weight: of the pair in its cell; those of a cell add up to one (piece,).
         factor: by which each cell is stiffer than its materials (cell,).
     """
 
     materials: Float[np.ndarray, "material parameter"]
     one: Int[np.ndarray, " cell"]
-    cell: Int[np.ndarray, " piece"]
-    first: Int[np.ndarray, " piece"]
-    second: Int[np.ndarray, " piece"]
-    share: Float[np.ndarray, " piece"]
-    normal: Float[np.ndarray, "piece 2"]
-    weight: Float[np.ndarray, " piece"]
     factor: Float[np.ndarray, " cell"]
 
     def layers(self, points: Points, F: Float[np.ndarray, "2 2 quad piece"], with_parameters: bool) -> LaminateStress:
