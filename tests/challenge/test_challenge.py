@@ -138,11 +138,11 @@ def test_the_command_says_what_cannot_be(tmp_path, monkeypatch, capsys, options,
 
 @pytest.mark.slow
 def test_a_virtual_test_is_labelled_point_by_point_and_its_classes_are_told(tmp_path, monkeypatch, capsys):
-    from benchmarks import challenge as rehearsal
+    from benchmarks import challenge_sheets as sheets
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(rehearsal, "POINTS", 21)
-    rehearsal.make(200, (8, 4), False, tmp_path / "a.npz")
+    monkeypatch.setattr(sheets, "POINTS", 21)
+    sheets.make(200, (8, 4), False, tmp_path / "a.npz")
     assert main(["challenge", "a.npz", "--learn", "classes.json"]) == 0
     (pair,) = json.loads((tmp_path / "classes.json").read_text())["pairs"]
     assert (pair["soft"], pair["stiff"]) == (8, 4)

@@ -3,10 +3,12 @@
 import json
 
 import numpy as np
+import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of, plane_of
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
@@ -36,6 +38,27 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     """
     measurement = read(measurement_file)
     found = identify(without_truth(measurement), settings, name)
+    write_field(found, measurement, settings, name, output, attributes, [measurement_file])
+
+
+def write_field(
+    found: Estimate,
+    measurement: xr.Dataset,
+    settings: Constrained,
+    name: str,
+    output: str,
+    attributes: dict,
+    parents: list,
+) -> None:
+    """Write an identified field, its posterior samples and its record.
+
+    Args:
+        measurement: opened, of which the field was identified.
+        settings: of the stage.
+        name: of the case.
+        attributes: added to those of the field.
+        parents: files that it follows from.
+    """
     problem, history, refinement = found.problem, found.history, found.problem.refinement
     window = problem.observations.believed_window
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
@@ -82,7 +105,7 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **_kind_of_field(found),
             "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
         },
-        parents=[measurement_file],
+        parents=parents,
     )
 
 
