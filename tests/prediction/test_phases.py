@@ -1,7 +1,6 @@
 """Laws of phases whose shape is known: right though the picture lies beside the shape, and fit to predict."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
@@ -9,8 +8,7 @@ from PIL import Image
 
 from hypernode.cli import main
 from hypernode.material.basis_file import basis_field
-from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, write
-from hypernode.verdict import Criterion, Level, Verdict
+from hypernode.storage.netcdf import read, write
 from tests.prediction.test_predict import CELLS, PIXELS, disc, measurement
 
 #: How far the picture lies beside the shape, in sides of the sheet: half a cell.
@@ -63,17 +61,13 @@ def test_a_sheet_of_one_phase_needs_no_picture_and_predicts_itself(folder):
 
 
 def test_what_samples_do_not_know_of_a_level_is_part_of_the_spread_of_forces(folder):
-    """Nothing but the level of the source is uncertain by 10 %, and so is the force."""
+    """Nothing but the thickness of the source is uncertain, by 10 %, and so is the force. Samples know the gain."""
     run, output = folder / "budgeted", folder / "budgeted.nc"
-    shutil.copytree(folder / "known", run)
-    verdict = Verdict((Criterion("displacements", Level.PASSED, "Displacements are met."),)).stored()
+    run.mkdir()
+    found = read(folder / "known" / "constrained.nc")
     rows = [{"input": "thickness", "prior": 0.1, "level": 0.1}, {"input": "gain", "prior": 0.3, "level": 0.3}]
-    write(
-        run / "evaluation.nc",
-        {},
-        "evaluation",
-        {"verdict": verdict, "units": EXPERIMENT_UNITS, "level_budget": json.dumps(rows)},
-    )
+    variables = {name: each.values for name, each in found.variables.items()}
+    write(run / "constrained.nc", variables, "field", found.attrs | {"level_budget": json.dumps(rows)})
     shape = ["--shape", str(folder / "disc.png")]
     assert main(["predict", str(folder / "a.nc"), "--laws", str(run), *shape, "--output", str(output)]) == 0
     file = read(output)

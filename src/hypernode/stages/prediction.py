@@ -142,7 +142,7 @@ def _pools(group: Sequence[LawFrom], files) -> list[list[PhaseLaw]]:
     by_specimen = []
     for each in group:
         path = law_file(each.path)
-        level = _level_of(path)
+        level = _level_of(path, files[path])
         found = [replace(law, level=level) for law in phase_laws(files[path], str(path))]
         if each.phase is not None and not 1 <= each.phase <= len(found):
             raise PredictionError(f"{path}: has phases 1 to {len(found)}, from the softest, and no {each.phase}")
@@ -153,12 +153,12 @@ def _pools(group: Sequence[LawFrom], files) -> list[list[PhaseLaw]]:
     return [list(pool) for pool in zip(*by_specimen, strict=True)]
 
 
-def _level_of(path: Path) -> float:
-    """Relative standard uncertainty of a run's level by what its samples do not know, as its evaluation states it."""
-    evaluation = path.parent / "evaluation.nc"
-    if path.name != "constrained.nc" or not evaluation.is_file():
-        return 0.0
-    return stored_beside_samples(json.loads(read(evaluation).attrs.get("level_budget", "[]")))
+def _level_of(path: Path, file: xr.Dataset) -> float:
+    """Relative standard uncertainty of a run's level by what its samples do not know, as it or its evaluation says."""
+    said, evaluation = file.attrs, path.parent / "evaluation.nc"
+    if "level_budget" not in said and path.name == "constrained.nc" and evaluation.is_file():
+        said = read(evaluation).attrs
+    return stored_beside_samples(json.loads(said.get("level_budget", "[]")))
 
 
 def _measurement(target: Target, files) -> xr.Dataset:
