@@ -75,6 +75,12 @@ def test_millimetres_of_the_crosshead_are_found_and_become_those_of_the_sheet():
     assert np.abs(found.u).max() == pytest.approx(3.9 * 40.0 / 39.0)
 
 
+def test_a_lost_point_hides_no_scale():
+    held = arrays(instron_disp=3.9 * np.linspace(0.0, 1.0, FRAMES))
+    held["DIC_disp"][2, 4, 4] = np.nan
+    assert "crosshead's way, 3.9 mm" in challenge_test(held, "a.npz").remarks[0]
+
+
 def test_frames_after_the_sheet_has_torn_are_left_out():
     found = challenge_test(arrays(instron_force=np.array([0.0, 2.0, 4.0, 6.0, 3.0, 1.0])), "a.npz")
     assert len(found.u) == len(found.force) == 4 and "2 frames" in found.remarks[0]
