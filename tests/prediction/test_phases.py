@@ -8,7 +8,7 @@ from PIL import Image
 
 from hypernode.cli import main
 from hypernode.material.basis_file import basis_field
-from hypernode.storage.netcdf import read, write
+from hypernode.storage.netcdf import read, units_of, write
 from tests.prediction.test_predict import CELLS, PIXELS, disc, measurement
 
 #: How far the picture lies beside the shape, in sides of the sheet: half a cell.
@@ -66,8 +66,10 @@ def test_what_samples_do_not_know_of_a_level_is_part_of_the_spread_of_forces(fol
     run.mkdir()
     found = read(folder / "known" / "constrained.nc")
     rows = [{"input": "thickness", "prior": 0.1, "level": 0.1}, {"input": "gain", "prior": 0.3, "level": 0.3}]
-    variables = {name: each.values for name, each in found.variables.items()}
-    write(run / "constrained.nc", variables, "field", found.attrs | {"level_budget": json.dumps(rows)})
+    variables = {name: (each.dims, each.values) if "." in name else each.values for name, each in found.items()}
+    variables |= {name: each.values for name, each in found.coords.items()}
+    attributes = found.attrs | {"units": units_of(found), "level_budget": rows}
+    write(run / "constrained.nc", variables, "field", attributes)
     shape = ["--shape", str(folder / "disc.png")]
     assert main(["predict", str(folder / "a.nc"), "--laws", str(run), *shape, "--output", str(output)]) == 0
     file = read(output)

@@ -60,7 +60,6 @@ def write_field(
         parents: files that it follows from.
     """
     problem, history, refinement = found.problem, found.history, found.problem.refinement
-    window = problem.observations.believed_window
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
     variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
@@ -92,21 +91,30 @@ def write_field(
             **measures,
             **_ending(found),
             **beside,
-            "trace": stored(found.trace.rows(found.trial)),
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
             "plane": plane_of(measurement),
-            "displacement_sigma": problem.sigma,
-            **problem.observations.believed_noise.stored(),
-            **({} if window is None else window.stored()),
-            "observed_displacements": problem.observed,
-            "noise_rules_displacements": problem.noisy,
-            "noise_deformation": problem.observations.noise_deformation,
             **_kind_of_field(found),
-            "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
+            **_of_test(found),
         },
         parents=parents,
     )
+
+
+def _of_test(found: Estimate) -> dict:
+    """Attributes of what was tried, and of the noise and the window that are believed."""
+    problem = found.problem
+    window = problem.observations.believed_window
+    return {
+        "trace": stored(found.trace.rows(found.trial)),
+        "displacement_sigma": problem.sigma,
+        **problem.observations.believed_noise.stored(),
+        **({} if window is None else window.stored()),
+        "observed_displacements": problem.observed,
+        "noise_rules_displacements": problem.noisy,
+        "noise_deformation": problem.observations.noise_deformation,
+        "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
+    }
 
 
 def _kind_of_field(found) -> dict:
