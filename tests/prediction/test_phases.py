@@ -68,8 +68,8 @@ def test_what_samples_do_not_know_of_a_level_is_part_of_the_spread_of_forces(fol
     rows = [{"input": "thickness", "prior": 0.1, "level": 0.1}, {"input": "gain", "prior": 0.3, "level": 0.3}]
     variables = {name: (each.dims, each.values) if "." in name else each.values for name, each in found.items()}
     variables |= {name: each.values for name, each in found.coords.items()}
-    attributes = found.attrs | {"units": units_of(found), "level_budget": rows}
-    write(run / "constrained.nc", variables, "field", attributes)
+    attributes = {name: each.item() if isinstance(each, np.generic) else each for name, each in found.attrs.items()}
+    write(run / "constrained.nc", variables, "field", attributes | {"units": units_of(found), "level_budget": rows})
     shape = ["--shape", str(folder / "disc.png")]
     assert main(["predict", str(folder / "a.nc"), "--laws", str(run), *shape, "--output", str(output)]) == 0
     file = read(output)
