@@ -169,7 +169,7 @@ extremes: $(VENV)/dev
 
 # A rehearsal of the 2025 Mechanical MNIST Challenge on virtual sheets, by its own score: a quarter of an hour.
 challenge: $(VENV)/run
-	$(BIN)/python benchmarks/challenge.py
+	$(BIN)/python -m benchmarks.challenge
 
 # Sets that peers published, identified and scored by the peers' own measure, into docs/peers.md: ten minutes.
 # PEERS=FOLDER names the folder with those that you have.

@@ -3,11 +3,10 @@
     python -m benchmarks.peers FOLDER
 
 A set that is absent is named with where to get it. What was identified and scored once stays in ``.cache/peers``
-until the set or its score changes; delete it for a run anew. The page is ``docs/peers.md``.
+until the set or any code that it rests on changes. The page is ``docs/peers.md``.
 """
 
 import hashlib
-import inspect
 import json
 import sys
 import time
@@ -28,6 +27,7 @@ from hypernode.material.basis_file import basis_field
 from hypernode.mechanics.loads import CONSTRAINED
 from hypernode.stages import constrained
 from hypernode.storage.netcdf import SYNTHETIC_UNITS, StorageError, read, sha256, write
+from hypernode.storage.provenance import code_hash
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE, CACHE = ROOT / "docs" / "peers.md", ROOT / ".cache" / "peers"
@@ -213,37 +213,33 @@ SETS = (
 )
 
 
-def scored(each: PeerSet, folder: Path) -> tuple[str, str]:
-    """(our figure, processor time) of a set, from the cache where nothing has changed; words where there is none."""
+def scored(each: PeerSet, folder: Path) -> tuple[str, str, str]:
+    """(our figure, how it ended, processor time) of a set, from the cache where nothing has changed."""
     path = folder / each.file
     if not path.exists():
-        return f"absent: get it from {each.where}", "-"
+        return f"absent: get it from {each.where}", "-", "-"
     if each.score is None:
-        return "there, and not run here: takes more than a few minutes", "-"
-    made_by = inspect.getsource(each.score) + repr(SETTINGS)
-    key = hashlib.sha256((sha256(path) + made_by).encode()).hexdigest()
-    work, kept = CACHE / path.stem, CACHE / f"{path.stem}.json"
-    if kept.is_file() and (held := json.loads(kept.read_text()))["key"] == key:
-        return held["figure"], held["time"]
-    work.mkdir(parents=True, exist_ok=True)
-    began = time.process_time()
-    figure = each.score(arrays_in(path), work)
-    took = f"{time.process_time() - began:.0f} s"
-    kept.write_text(json.dumps({"key": key, "figure": figure, "time": took}) + "\n")
-    return figure, took
+        return "there, and not run here: takes more than a few minutes", "-", "-"
+    key = hashlib.sha256((sha256(path) + code_hash(__file__)).encode()).hexdigest()
+    work = CACHE / path.stem / key[:16]
+    if not (work / "score.json").is_file():
+        work.mkdir(parents=True, exist_ok=True)
+        began = time.process_time()
+        figure = each.score(arrays_in(path), work)
+        took = f"{time.process_time() - began:.0f} s"
+        (work / "score.json").write_text(json.dumps({"figure": figure, "time": took}) + "\n")
+    held = json.loads((work / "score.json").read_text())
+    return held["figure"], _ending(work / "field.nc"), held["time"]
 
 
-def ending(each: PeerSet) -> str:
-    """How the descent of a set ended, with what it leaves of the displacements; a dash where there was none."""
-    field = CACHE / Path(each.file).stem / "field.nc"
-    if not field.is_file():
-        return "-"
+def _ending(field: Path) -> str:
+    """How the descent to a field ended, with what it leaves of the displacements."""
     said = read(field).attrs
     return f"{said['ending']}, displacements missed by {json.loads(said['misfits'])['displacement']:.2g}"
 
 
 def page(rows) -> str:
-    """The page, of (set, our figure, processor time)."""
+    """The page, of (set, our figure, how it ended, processor time)."""
     lines = [
         "# Peers' own sets",
         "",
@@ -253,8 +249,8 @@ def page(rows) -> str:
         "| set | measure | the peer states | hypernode | how it ended | processor time |",
         "|---|---|---|---|---|---|",
         *(
-            f"| {each.what} | {each.measure} | {each.stated} | {figure} | {ending(each)} | {took} |"
-            for each, figure, took in rows
+            f"| {each.what} | {each.measure} | {each.stated} | {figure} | {ending} | {took} |"
+            for each, figure, ending, took in rows
         ),
         "",
         "Displacements are missed by so many times what elements on the grid are trusted with; 1 explains a test.",

@@ -18,6 +18,7 @@ from hypernode.commands.explore import add_explore
 from hypernode.commands.export import add_export
 from hypernode.commands.identify import add_identify
 from hypernode.commands.inspect import add_inspect
+from hypernode.commands.phases import add_phases
 from hypernode.commands.practice import add_practice
 from hypernode.commands.predict import add_predict
 from hypernode.errors import ExpectedError
@@ -190,6 +191,7 @@ COMMANDS = (
     add_explain,
     add_explore,
     add_advise,
+    add_phases,
     add_predict,
     add_challenge,
     add_audit,

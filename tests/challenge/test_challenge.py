@@ -75,6 +75,12 @@ def test_millimetres_of_the_crosshead_are_found_and_become_those_of_the_sheet():
     assert np.abs(found.u).max() == pytest.approx(3.9 * 40.0 / 39.0)
 
 
+def test_a_lost_point_hides_no_scale():
+    held = arrays(instron_disp=3.9 * np.linspace(0.0, 1.0, FRAMES))
+    held["DIC_disp"][2, 4, 4] = np.nan
+    assert "crosshead's way, 3.9 mm" in challenge_test(held, "a.npz").remarks[0]
+
+
 def test_frames_after_the_sheet_has_torn_are_left_out():
     found = challenge_test(arrays(instron_force=np.array([0.0, 2.0, 4.0, 6.0, 3.0, 1.0])), "a.npz")
     assert len(found.u) == len(found.force) == 4 and "2 frames" in found.remarks[0]
@@ -138,11 +144,11 @@ def test_the_command_says_what_cannot_be(tmp_path, monkeypatch, capsys, options,
 
 @pytest.mark.slow
 def test_a_virtual_test_is_labelled_point_by_point_and_its_classes_are_told(tmp_path, monkeypatch, capsys):
-    from benchmarks import challenge as rehearsal
+    from benchmarks import challenge_sheets as sheets
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(rehearsal, "POINTS", 21)
-    rehearsal.make(200, (8, 4), False, tmp_path / "a.npz")
+    monkeypatch.setattr(sheets, "POINTS", 21)
+    sheets.make(200, (8, 4), False, tmp_path / "a.npz")
     assert main(["challenge", "a.npz", "--learn", "classes.json"]) == 0
     (pair,) = json.loads((tmp_path / "classes.json").read_text())["pairs"]
     assert (pair["soft"], pair["stiff"]) == (8, 4)

@@ -90,3 +90,17 @@ def test_a_straight_line_does_not_bend():
     assert np.abs(LINES.bends @ straight).max() < 1e-12
     hole = rectilinear(X, Y, np.arange(96).reshape(8, 12) != 40)
     assert np.abs(ContourLines(hole).bends @ (hole.nodes @ np.array([1.0, -2.0]))).max() < 1e-12
+
+
+def test_a_line_that_moves_as_one_takes_its_distances_with_it():
+    """To first order, near the line."""
+    side, moved = 1.0 / 12.0, np.array([0.4, -0.3])
+    mesh = rectilinear(np.linspace(0.0, 2.0, 25), np.linspace(0.0, 1.0, 13))
+
+    def circle(shift):
+        return (0.31 - np.linalg.norm(mesh.nodes - [1.0, 0.5] - side * shift, axis=1)) / side
+
+    before, after = circle(np.zeros(2)), circle(moved)
+    near = np.abs(before) < 1.0
+    found = before + ContourLines(mesh).as_one(before) @ moved
+    assert np.abs(found - after)[near].max() < 0.1 * np.abs(after - before)[near].max()

@@ -99,7 +99,7 @@ def _before_it_tears(force: Float[np.ndarray, " frame"]) -> int:
 
 def _scale(X, u, crosshead, remarks: list[str]) -> float:
     """Factor by which the file's millimetres are those of the sheet."""
-    travel, largest = abs(crosshead[-1] - crosshead[0]), np.abs(u[..., 1]).max()
+    travel, largest = abs(crosshead[-1] - crosshead[0]), np.nanmax(np.abs(u[..., 1]))
     if abs(travel - largest) > SAME * travel:
         return 1.0
     width = float(np.ptp(X[..., 0]))

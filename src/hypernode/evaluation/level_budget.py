@@ -4,6 +4,7 @@ Displacements determine ratios of stiffness. The level follows from the forces o
 standard uncertainty and a sensitivity. Their products are summed in quadrature.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -123,6 +124,11 @@ def level_of(budget: LevelBudget | None, *names: str) -> float:
 def level_beside_samples(budget: LevelBudget | None) -> float:
     """That by the inputs which posterior samples do not know."""
     return level_of(budget, *BESIDE_SAMPLES)
+
+
+def stored_beside_samples(rows: Sequence[Mapping]) -> float:
+    """The same of a budget that was stored by :func:`table`; zero of none."""
+    return float(np.sqrt(sum(row["level"] ** 2 for row in rows if row["input"] in BESIDE_SAMPLES)))
 
 
 def _weights(measurement: xr.Dataset, force: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:

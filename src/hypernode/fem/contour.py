@@ -150,6 +150,12 @@ class ContourLines:
         found = scipy.sparse.csc_matrix(entries, (len(distance), count))
         return found[:, np.flatnonzero(np.diff(found.indptr))].tocsr()
 
+    def as_one(self, distance: Float[np.ndarray, " node"]) -> scipy.sparse.csr_matrix:
+        """How distances follow when the line moves as a whole, along x and along y, in sides of cells (node, 2)."""
+        by_y, by_x = np.gradient(self._on_grid(distance))
+        moved = -np.stack([by_x[self._place], by_y[self._place]], axis=1)
+        return scipy.sparse.csr_matrix(np.nan_to_num(moved))
+
     def length(self, distance: Float[np.ndarray, " node"]) -> float:
         """Length of the line."""
         lines = self.mesh.lines

@@ -83,7 +83,9 @@ def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Fl
     middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
     for row, move in zip(field.distances, moves, strict=True):
         inside = (np.diff(move.indptr) > 0).astype(float)
-        some = bends[np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT))] / BEND
+        rows = np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT))
+        # Bends of a shape that is known are no news.
+        some = bends[rows[:0] if field.lines.as_one else rows] / BEND
         found.append((some @ move, some @ row))
     return found
 

@@ -27,6 +27,7 @@ class Lines:
         grid, fine: geometry of lines on both meshes.
         apart: distance between points of a line that move, in sides of cells.
         splines: of what changes gradually; None where nothing does.
+        as_one: whether the shape of every line is known, so that it moves as a whole.
         between: bilinear interpolation of distances, which count in sides of cells (fine node, grid node).
     """
 
@@ -36,6 +37,7 @@ class Lines:
     _: dataclasses.KW_ONLY
     apart: float = 1.0
     splines: Splines | None = None
+    as_one: bool = False
 
     @classmethod
     def of(cls, grid: Mesh, refinement: Refinement, like: "Lines | None" = None) -> "Lines":
@@ -45,7 +47,7 @@ class Lines:
         if like is None:
             return found
         splines = None if like.splines is None else Splines.of(grid, refinement.mesh, like.splines.bend)
-        return dataclasses.replace(found, apart=like.apart, splines=splines)
+        return dataclasses.replace(found, apart=like.apart, splines=splines, as_one=like.as_one)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,9 +134,13 @@ class Interfaces:
     def moves(self, reach: float) -> list[scipy.sparse.csr_matrix]:
         """How distances follow when points of each line move along its normal (node, point of the line).
 
+        A line whose shape is known moves along x and along y (node, 2).
+
         Args:
             reach: distance in sides of cells within which they follow.
         """
+        if self.lines.as_one:
+            return [self.lines.grid.as_one(distance) for distance in self.distances]
         return [self.lines.grid.along(distance, reach, self.lines.apart) for distance in self.distances]
 
     @property

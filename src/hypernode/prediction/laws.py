@@ -25,6 +25,7 @@ class PhaseLaw:
         best: parameters (parameter,).
         samples: posterior samples of them (sample, parameter); none where the test left none.
         seen: deformations of the test; None where the file does not say.
+        level: relative standard uncertainty of its level by what samples do not know, such as the thickness.
     """
 
     source: str
@@ -33,6 +34,7 @@ class PhaseLaw:
     best: Float[np.ndarray, " parameter"]
     samples: Float[np.ndarray, "sample parameter"]
     seen: Domain | None
+    level: float = 0.0
 
 
 def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:

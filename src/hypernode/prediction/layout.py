@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
+from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.partition import levels
@@ -39,19 +40,20 @@ def one_phase(mesh: Mesh) -> Layout:
 
 
 def of_picture(
-    picture: Float[np.ndarray, "row column"], count: int, lines: Lines, corners: Float[np.ndarray, "2 2"]
+    picture: Float[np.ndarray, "row column"], count: int, grid: ContourLines, corners: Float[np.ndarray, "2 2"]
 ) -> Layout:
     """Grey levels of a picture as phases: the darkest is the softest.
 
     Args:
         picture: grey levels, the first row at the top.
         count: of phases.
+        grid: lines on the measured grid.
         corners: lower left and upper right corner of what the picture shows, in the unit of the sheet.
 
     Raises:
         PredictionError: the picture has fewer grey levels than there are phases, or shows one nowhere on the sheet.
     """
-    mesh = lines.grid.mesh
+    mesh = grid.mesh
     if len(np.unique(picture)) < count:
         raise PredictionError(
             f"the picture has {len(np.unique(picture))} grey levels and there are laws of {count} phases: give one law "
@@ -65,7 +67,7 @@ def of_picture(
             f"grey level {middle[k]:.3g} of the picture is nowhere on the measured grid: give laws of the phases that "
             "are, or a picture whose phases are larger than a cell of the grid"
         )
-    distances = [lines.grid.distance(np.where(s == 0.5, 1e-6, s - 0.5)) for s in share[1:]]
+    distances = [grid.distance(np.where(s == 0.5, 1e-6, s - 0.5)) for s in share[1:]]
     return Layout(np.arange(count), np.array(distances).reshape(count - 1, len(mesh.nodes)))
 
 

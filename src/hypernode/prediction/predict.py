@@ -68,8 +68,8 @@ def predict(
     """Forces and displacements of a sheet of known laws whose edges move as they were measured.
 
     Of several specimens each predicts by itself: the prediction is their mean, and how they differ is part of its
-    spread. A specimen's own spread is that of its posterior samples, to first order. Edges that move are known up to
-    their noise, which is a part too.
+    spread. A specimen's own spread is that of its posterior samples, to first order, and of its level by what these do
+    not know. Edges that move are known up to their noise, and the sheet's thickness up to its own error.
 
     Args:
         measurement, problem: of the sheet; see :func:`problem_of`.
@@ -88,6 +88,7 @@ def predict(
         for m in range(members)
     ]
     scale = float(measurement.attrs["thickness"]) * relaxation(measurement)
+    of_thickness = float(measurement.attrs.get("thickness_uncertainty", 0.0))
     u, u_variance = _together([m.u for m in each], [m.u_variance for m in each])
     force, force_variance = _together([m.force for m in each], [m.force_variance for m in each])
     F = deformation_gradient(problem.observations.grid, u)
@@ -97,7 +98,7 @@ def predict(
         u=u,
         u_spread=np.sqrt(u_variance),
         force=scale * force,
-        force_spread=scale * np.sqrt(force_variance),
+        force_spread=scale * np.sqrt(force_variance + (of_thickness * force) ** 2),
         F=F,
         remarks=_remarks(pools, F),
     )
@@ -185,16 +186,14 @@ class _Member:
         by_laws[free] = -factor.solve(load[free])
         by_edges = boundary.errors.toarray()
         by_edges[free] = -factor.solve((K[free] @ boundary.errors).toarray())
-        # Samples scatter about the best law; errors of edges are per standard normal number.
-        samples = max(load.shape[1], 1)
-        u_variance = _square(self._seen @ by_laws) / samples + _square(self._seen @ by_edges)
+        u_variance = _square(self._seen @ by_laws) + _square(self._seen @ by_edges)
         found, variance = np.full((2, len(EDGE_NAMES), 2), np.nan)
         for e, i, direction in self._edges:
             if boundary.mask.ravel()[direction].all():
                 rows = np.asarray(K[np.flatnonzero(direction)].sum(axis=0)).ravel()
                 found[e, i] = force[direction].sum()
                 of_laws = load[direction].sum(axis=0) + rows @ by_laws
-                variance[e, i] = (of_laws**2).sum() / samples + ((rows @ by_edges) ** 2).sum()
+                variance[e, i] = (of_laws**2).sum() + ((rows @ by_edges) ** 2).sum()
         progress.advance()
         return (self._seen @ u.ravel()).reshape(-1, 2), u_variance.reshape(-1, 2), found, variance
 
@@ -210,11 +209,19 @@ def _square(changes) -> np.ndarray:
     return (changes**2).sum(axis=1)
 
 
-def _changes(field: Interfaces, layout: Layout, switched: SwitchedLaw, of, laws) -> Float[np.ndarray, "number sample"]:
-    """Changes of the materials' parameters, material by material, to those of each posterior sample."""
-    count = min(len(law.samples) for law in laws)
-    by_phase = [switched.of(k, law.samples[:count] - law.best) for k, law in zip(of, laws, strict=True)]
-    for each in by_phase:
-        each[:, 1] = 0.0
+def _changes(field: Interfaces, layout: Layout, switched: SwitchedLaw, of, laws) -> Float[np.ndarray, "number error"]:
+    """Changes of the materials' parameters, material by material, by each of several standard normal numbers.
+
+    The first are those of posterior samples, which scatter about the best law. Then every specimen has one for its
+    level.
+    """
+    count, sources = min(len(law.samples) for law in laws), list(dict.fromkeys(law.source for law in laws))
+    by_phase = []
+    for k, law in zip(of, laws, strict=True):
+        samples = switched.of(k, law.samples[:count] - law.best) / max(count, 1) ** 0.5
+        level = np.zeros((len(sources), samples.shape[1]))
+        level[sources.index(law.source), 0] = law.level
+        samples[:, 1] = 0.0
+        by_phase.append(np.concatenate([samples, level]))
     changes = np.stack([by_phase[phase] for phase in layout.order])
-    return changes.transpose(0, 2, 1).reshape(field.materials.size, count)
+    return changes.transpose(0, 2, 1).reshape(field.materials.size, count + len(sources))

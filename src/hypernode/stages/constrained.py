@@ -3,10 +3,12 @@
 import json
 
 import numpy as np
+import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of, plane_of
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.local_misfit import local_misfit
@@ -36,8 +38,28 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
     """
     measurement = read(measurement_file)
     found = identify(without_truth(measurement), settings, name)
+    write_field(found, measurement, settings, name, output, attributes, [measurement_file])
+
+
+def write_field(
+    found: Estimate,
+    measurement: xr.Dataset,
+    settings: Constrained,
+    name: str,
+    output: str,
+    attributes: dict,
+    parents: list,
+) -> None:
+    """Write an identified field, its posterior samples and its record.
+
+    Args:
+        measurement: opened, of which the field was identified.
+        settings: of the stage.
+        name: of the case.
+        attributes: added to those of the field.
+        parents: files that it follows from.
+    """
     problem, history, refinement = found.problem, found.history, found.problem.refinement
-    window = problem.observations.believed_window
     variables = {key: measurement[key].values for key in ("X", "cells", "corners", "load_case", "stretch")}
     variables["u"] = np.stack([state.u[refinement.nodes] for state in found.states])
     variables |= {"loss": history, "loss_iteration": np.arange(len(history))}
@@ -69,21 +91,30 @@ def run(settings: Constrained, name: str, measurement_file: str, output: str, at
             **measures,
             **_ending(found),
             **beside,
-            "trace": stored(found.trace.rows(found.trial)),
             **({} if left_out is None else {"left_out": json.dumps(left_out.stored())}),
             "units": units_of(measurement),
             "plane": plane_of(measurement),
-            "displacement_sigma": problem.sigma,
-            **problem.observations.believed_noise.stored(),
-            **({} if window is None else window.stored()),
-            "observed_displacements": problem.observed,
-            "noise_rules_displacements": problem.noisy,
-            "noise_deformation": problem.observations.noise_deformation,
             **_kind_of_field(found),
-            "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
+            **_of_test(found),
         },
-        parents=[measurement_file],
+        parents=parents,
     )
+
+
+def _of_test(found: Estimate) -> dict:
+    """Attributes of what was tried, and of the noise and the window that are believed."""
+    problem = found.problem
+    window = problem.observations.believed_window
+    return {
+        "trace": stored(found.trace.rows(found.trial)),
+        "displacement_sigma": problem.sigma,
+        **problem.observations.believed_noise.stored(),
+        **({} if window is None else window.stored()),
+        "observed_displacements": problem.observed,
+        "noise_rules_displacements": problem.noisy,
+        "noise_deformation": problem.observations.noise_deformation,
+        "homogeneous_force_misfit": problem.homogeneous.force_misfit.tolist(),
+    }
 
 
 def _kind_of_field(found) -> dict:

@@ -10,7 +10,8 @@ import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import mesh_of, plane_of
-from hypernode.identification.interfaces import Lines
+from hypernode.evaluation.level_budget import stored_beside_samples
+from hypernode.fem.contour import ContourLines
 from hypernode.mechanics.loads import Load
 from hypernode.pictures.files import read_pictures
 from hypernode.prediction.errors import PredictionError
@@ -72,7 +73,7 @@ def run(laws: Sequence[Sequence[LawFrom]], target: Target, output: Path) -> tupl
     _same_units(measurement, files)
     _same_plane(measurement, files)
     problem = problem_of(measurement, pools)
-    layout, parents = _layout(target, measurement, len(pools), problem)
+    layout, parents = _layout(target, measurement, len(pools))
     found = predict(measurement, problem, pools, layout, output.stem)
     found = replace(found, remarks=[*found.remarks, *not_passed(files)])
     scored = score(measurement, found)
@@ -141,7 +142,8 @@ def _pools(group: Sequence[LawFrom], files) -> list[list[PhaseLaw]]:
     by_specimen = []
     for each in group:
         path = law_file(each.path)
-        found = phase_laws(files[path], str(path))
+        level = _level_of(path, files[path])
+        found = [replace(law, level=level) for law in phase_laws(files[path], str(path))]
         if each.phase is not None and not 1 <= each.phase <= len(found):
             raise PredictionError(f"{path}: has phases 1 to {len(found)}, from the softest, and no {each.phase}")
         by_specimen.append(found if each.phase is None else [found[each.phase - 1]])
@@ -149,6 +151,14 @@ def _pools(group: Sequence[LawFrom], files) -> list[list[PhaseLaw]]:
         counts = ", ".join(f"{each.path} {len(found)}" for each, found in zip(group, by_specimen, strict=True))
         raise PredictionError(f"specimens that are pooled have different numbers of phases ({counts}): name one, RUN:1")
     return [list(pool) for pool in zip(*by_specimen, strict=True)]
+
+
+def _level_of(path: Path, file: xr.Dataset) -> float:
+    """Relative standard uncertainty of a run's level by what its samples do not know, as it or its evaluation says."""
+    said, evaluation = file.attrs, path.parent / "evaluation.nc"
+    if "level_budget" not in said and path.name == "constrained.nc" and evaluation.is_file():
+        said = read(evaluation).attrs
+    return stored_beside_samples(json.loads(said.get("level_budget", "[]")))
 
 
 def _measurement(target: Target, files) -> xr.Dataset:
@@ -172,23 +182,38 @@ def _measurement(target: Target, files) -> xr.Dataset:
     return replace(windows[0], side=float(sides.mean()), error=float(errors.mean())).of(measurement)
 
 
-def _layout(target: Target, measurement: xr.Dataset, count: int, problem) -> tuple[Layout, list[Path]]:
+def _layout(target: Target, measurement: xr.Dataset, count: int) -> tuple[Layout, list[Path]]:
     """(where phases are, the result file that says so)."""
     mesh = mesh_of(measurement)
     if target.lines is not None:
         path = law_file(target.lines)
         return of_identification(read(path), str(path), count, mesh), [path]
     if target.picture is not None:
-        picture = read_pictures([target.picture])[0]
-        corners = json.loads(measurement.attrs.get("field_corners", "null")) or measurement["corners"].values
-        lines = Lines.of(problem.observations.grid, problem.refinement)
-        return of_picture(picture[::-1] if target.flipped else picture, count, lines, np.array(corners)), []
+        return pictured(target.picture, target.flipped, count, measurement), []
     if count > 1:
         raise PredictionError(
             f"there are laws of {count} phases, and nothing says which is where: give a picture (--shape FILE), "
             "another identification of the sheet (--lines RUN), or one law (RUN:1)"
         )
     return one_phase(mesh), []
+
+
+def pictured(picture: Path, flipped: bool, count: int, measurement: xr.Dataset) -> Layout:
+    """Where the phases that a picture shows are on a measured sheet.
+
+    Args:
+        picture: its file; the first row is at the bottom of the sheet where ``flipped``.
+        count: of phases.
+        measurement: opened.
+
+    Raises:
+        PredictionError: the picture does not show that many phases.
+        PictureError: it cannot be read.
+    """
+    grey = read_pictures([picture])[0]
+    corners = json.loads(measurement.attrs.get("field_corners", "null")) or measurement["corners"].values
+    grid = ContourLines(mesh_of(measurement))
+    return of_picture(grey[::-1] if flipped else grey, count, grid, np.array(corners))
 
 
 def _variables(measurement: xr.Dataset, target: Target, found: Prediction) -> dict:

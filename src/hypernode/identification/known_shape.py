@@ -1,0 +1,73 @@
+"""The laws of the phases of a sheet whose shape is known, and where the shape lies; of one phase its law alone.
+
+Lines keep their shape and move as a whole, since a picture of what was made is registered to a test within some points
+only. All phases begin as the homogeneous sheet.
+"""
+
+import dataclasses
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from hypernode.config.methods import Constrained
+from hypernode.data.measurement import window_uncertainty
+from hypernode.identification.gauss_newton import IdentificationError
+from hypernode.identification.interface_answer import answer
+from hypernode.identification.interface_estimate import InterfaceEstimate
+from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.law_search import LawSearch
+from hypernode.identification.settings import STRATEGY, Strategy
+from hypernode.identification.trials import FAR, NEAR, Trials, largest_and_half
+
+#: Rows and columns into which a cell is divided for the answer.
+FINER = 2
+
+
+def of_shape(
+    measurement: xr.Dataset,
+    distances: Float[np.ndarray, "line node"],
+    settings: Constrained,
+    name: str,
+    strategy: Strategy = STRATEGY,
+) -> InterfaceEstimate:
+    """The laws of phases whose lines are known but for a shift.
+
+    Args:
+        measurement: an opened measurement.
+        distances: of every node of the measured grid from the line of each phase but the first, positive within, in
+            sides of cells.
+        settings: configuration of the stage.
+        name: case, for progress and messages.
+
+    Raises:
+        IdentificationError: the sheet finds no equilibrium.
+    """
+    trials = Trials(measurement, settings, name, strategy)
+    problem = trials.problem([term for term in settings.terms if term == "J"])
+    steps, params = largest_and_half(problem), problem.homogeneous.params
+    stated = float(measurement.attrs["correlation_window"]) > 0.0
+    finds = len(distances) > 0 and not stated and window_uncertainty(measurement) > 0.0
+    u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
+    lines = dataclasses.replace(Lines.of(problem.observations.grid, problem.refinement), as_one=True)
+    field = Interfaces(lines, np.tile(params, (len(distances) + 1, 1)), distances)
+    found = trials.descend("phases of the known shape", None, problem, field, u, steps, FAR, None, finds)
+    if found is None:
+        raise _no_equilibrium(name)
+    found = LawSearch(trials, steps, finds).end(found)
+    finer = trials.problem(found.terms, FINER)
+    field = found.fit.field.on(Lines.of(finer.observations.grid, finer.refinement, found.fit.field.lines))
+    u = {k: finer.refinement.interpolation @ each for k, each in found.u.items()}
+    window = found.fit.window if finds else None
+    found = trials.descend("finer elements", found, finer, field, u, steps, NEAR, window, finds)
+    estimate = None if found is None else answer(trials, found, finds)
+    if estimate is None:
+        raise _no_equilibrium(name)
+    return estimate
+
+
+def _no_equilibrium(name: str) -> IdentificationError:
+    return IdentificationError(
+        f"{name}: the sheet finds no equilibrium with phases where the picture has them: see that the picture is of "
+        "this sheet and lies as it does (--flipped), or leave out the largest load steps"
+    )
