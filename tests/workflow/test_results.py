@@ -135,7 +135,7 @@ def test_every_variable_has_units_and_every_file_its_origin(smoke):
 
 
 def header(path):
-    """All that the conventions speak of: dimensions, variables with their attributes, and which attributes a file has."""
+    """What the conventions speak of: dimensions, variables with their attributes, names of attributes of the file."""
     with xr.open_dataset(path, decode_times=False) as data:
         variables = {name: (str(v.dtype), v.dims, sorted(v.attrs.items())) for name, v in data.variables.items()}
         return repr((sorted(data.dims), variables, sorted(data.attrs), data.attrs["Conventions"]))
