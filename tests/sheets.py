@@ -1,5 +1,7 @@
 """A small sheet with a stiff inclusion under load, as a measurement file would hold it."""
 
+import functools
+
 import numpy as np
 import xarray as xr
 
@@ -12,22 +14,30 @@ from hypernode.synthetic.forward import resultants
 SCALE = 0.4
 
 
+@functools.cache
+def finite_elements(cells, terms):
+    """(basis, mesh, solver) of all square sheets of so many cells a side with these terms, which compile once."""
+    basis = ConvexBasis(terms, SCALE)
+    lines = np.linspace(0.0, 1.0, cells + 1)
+    mesh = rectilinear(lines, lines)
+    start = {"params": np.tile(basis.start, (len(mesh.cells), 1))}
+    return basis, mesh, EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), start)
+
+
 def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=(), inside=None):
     """A measurement, as the file would hold it, of a sheet that is stiffer by 2 to the power of ``inclusion``, 0 to 1.
 
     Of the basis with ``terms`` its parameters have their ``values``, pairs of name and number, or those it starts with.
     Where ``inside`` is given, those of the inclusion have these values, and it is no stiffer.
     """
-    basis = ConvexBasis(terms, SCALE)
-    lines = np.linspace(0.0, 1.0, cells + 1)
-    mesh = rectilinear(lines, lines)
+    basis, mesh, solver = finite_elements(cells, tuple(terms))
     values = dict(zip(basis.names, basis.start, strict=True)) | dict(values)
     params = np.tile(list(values.values()), (len(mesh.cells), 1))
     if inside is None:
         params[:, 0] += np.log(2.0) * inclusion(mesh.centres)
     else:
         params[inclusion(mesh.centres) > 0.0] = list((values | dict(inside)).values())
-    solver = EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), {"params": params})
+    solver.set_parameters({"params": params})
     u, _ = solver.solve(load)
     force, held = np.full((len(u), 4, 2), np.nan), np.zeros((len(u), 4, 2))
     for step, field in enumerate(u):

@@ -103,6 +103,7 @@ def test_a_homogeneous_sheet_is_of_one_material():
     assert np.exp(found.field.materials[0, 0]) == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_two_materials_that_differ_only_in_the_direction_of_their_fibres_are_told_apart():
     along, across = {"fibre_x": 0.5, "fibre_y": 0.0}, {"fibre_x": -0.2, "fibre_y": 0.45}
     data, share = observed(disc, terms=("fibre",), values=along, inside=across)
@@ -130,6 +131,7 @@ def test_what_coarse_elements_miss_beside_clamps_is_no_change_of_the_material(la
     assert found.misfits["displacement"] < 1.1
 
 
+@pytest.mark.slow
 def test_three_materials_have_lines_of_their_own():
     data, _ = observed(two_discs)
     found = of_parts(data, SETTINGS, "sheet", STRATEGY)
@@ -139,6 +141,7 @@ def test_three_materials_have_lines_of_their_own():
     assert soft / sheet == pytest.approx(0.5, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_statement_that_the_grid_is_the_mesh_is_not_believed_where_whole_cells_leave_more_than_noise():
     data, _ = observed(disc)
     found = of_parts(data.assign_attrs(mesh="measured_grid"), SETTINGS, "sheet", STRATEGY)
@@ -189,6 +192,7 @@ def test_a_guess_that_follows_numbers_misses_equilibrium_by_the_square_of_their_
     assert missed[1] < 0.3 * missed[0]
 
 
+@pytest.mark.slow
 def test_a_window_that_nobody_stated_is_found():
     window = 2.0 / CELLS
     data, _ = observed_coarsely(CELLS, disc, LOAD, window)

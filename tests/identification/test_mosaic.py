@@ -31,7 +31,7 @@ def stress_error(found, true):
     return np.linalg.norm(P - wanted) / np.linalg.norm(wanted)
 
 
-@pytest.mark.parametrize("mesh", ["measured_grid", "finer"])
+@pytest.mark.parametrize("mesh", ["measured_grid", pytest.param("finer", marks=pytest.mark.slow)])
 def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh):
     data, grid, true = sheet(12, square, LOAD, terms=())
     found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square", STRATEGY)
@@ -41,6 +41,7 @@ def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh)
     assert stress_error(found, true) < 1e-3
 
 
+@pytest.mark.slow
 def test_noise_that_a_stranger_may_have_moves_no_cell():
     data, grid, true = sheet(12, square, LOAD, noise=5e-4, terms=())
     found = of_parts(data, SETTINGS, "square", STRATEGY)
@@ -50,6 +51,7 @@ def test_noise_that_a_stranger_may_have_moves_no_cell():
     assert stress_error(found, true) < 0.02
 
 
+@pytest.mark.slow
 def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same():
     data, grid, true = sheet(16, square, LOAD, terms=())
     strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)

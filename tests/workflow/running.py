@@ -1,6 +1,7 @@
 """Running the workflow in a folder of its own, and reading what it plans and leaves."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -9,13 +10,16 @@ from pathlib import Path
 import xarray as xr
 
 ROOT = Path(__file__).resolve().parents[2]
+#: What is compiled once for all runs: where the other tests keep it too, in the precision of a job.
+COMPILED = ROOT / ".cache"
 
 
-def snakemake(folder, *arguments, config=ROOT / "config" / "smoke.yaml"):
+def snakemake(folder, *arguments, config=ROOT / "config" / "smoke.yaml", compiled=COMPILED):
     command = [sys.executable, "-m", "snakemake", *arguments, "--snakefile", str(ROOT / "Snakefile")]
     command += ["--profile", str(ROOT / "profiles" / "default"), "--directory", str(folder), "--cores", "2"]
     command += ["--configfile", str(config)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    environment = {**os.environ, "HYPERNODE_CACHE": str(compiled)}
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
 
 
 def copied(folder, target):

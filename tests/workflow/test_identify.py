@@ -5,6 +5,7 @@ import yaml
 
 from hypernode import cli, load_material
 from tests.inspection.folders import FIELDS, SIZE, write_frames, write_record
+from tests.workflow.running import COMPILED
 
 #: A method of seconds, of which nothing is expected but an end.
 TINY = {
@@ -19,6 +20,7 @@ def test_a_folder_becomes_a_material_with_a_verdict(request, tmp_path, monkeypat
     if not request.config.getoption("--smoke"):
         pytest.skip("whole workflows run with --smoke")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HYPERNODE_CACHE", str(COMPILED))
     write_frames(tmp_path / "pull", FIELDS["clamped_y"])
     write_record(tmp_path / "pull")
     (tmp_path / "tiny.yaml").write_text(yaml.safe_dump({"methods": {"tiny": TINY}}))

@@ -2,9 +2,6 @@
 
 import copy
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +9,9 @@ import xarray as xr
 import yaml
 
 from hypernode.storage.audit import verify
+from tests.workflow.running import snakemake
 from tests.workflow.test_cluster import CONFIG
 
-ROOT = Path(__file__).resolve().parents[2]
 NOISE = {"sigma": 1e-3, "force": 0.005, "seed": 5}
 
 
@@ -29,9 +26,7 @@ def ran(request, tmp_path_factory):
     config["cases"] = {"alone": {**sheet, "noise": "second"}}
     config["populations"] = {"many": {**sheet, "name": "{noise}", "noise": "camera", "seeds": 3, "batch": 2}}
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
-    line = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--cores", "2", "--directory"]
-    line += [str(folder), "--profile", str(ROOT / "profiles/default"), "--configfile", str(folder / "config.yaml")]
-    done = subprocess.run(line, capture_output=True, text=True)
+    done = snakemake(folder, config=folder / "config.yaml")
     assert done.returncode == 0, done.stderr[-4000:]
     return folder / "results"
 

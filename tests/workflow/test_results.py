@@ -134,8 +134,18 @@ def test_every_variable_has_units_and_every_file_its_origin(smoke):
                 assert key in data.attrs, (path, key)
 
 
+def header(path):
+    """What the conventions speak of: dimensions, variables with their attributes, names of attributes of the file."""
+    with xr.open_dataset(path, decode_times=False) as data:
+        variables = {name: (str(v.dtype), v.dims, sorted(v.attrs.items())) for name, v in data.variables.items()}
+        return repr((sorted(data.dims), variables, sorted(data.attrs), data.attrs["Conventions"]))
+
+
 def test_every_file_follows_the_cf_conventions(smoke, tmp_path):
-    files = sorted(map(str, (smoke / "results").rglob("*.nc")))
+    """One file of each name and header is checked: the conventions do not depend on the numbers."""
+    paths = sorted((smoke / "results").rglob("*.nc"))
+    files = sorted({(path.name, header(path)): str(path) for path in paths}.values())
+    assert len(files) >= 12
     line = [str(Path(sys.executable).with_name("compliance-checker")), "--test", "cf:1.11", "--format", "json_new"]
     checked = subprocess.run([*line, "--output", str(tmp_path / "cf.json"), *files], capture_output=True, text=True)
     reports = json.loads((tmp_path / "cf.json").read_text())

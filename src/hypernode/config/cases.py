@@ -57,8 +57,8 @@ class Case(Sheet):
     unseen_loads: list[str] = []
     """Load cases that are computed with the identified field afterwards and compared with the truth."""
     references: dict[Literal["matrix", "inclusion", "whole"], str] = {}
-    """Of a specimen: phase -> case of a sheet that consists of it, whose forces are compared with those of the
-    identified phase, or whole -> case of frames of the same test that were not used."""
+    """Reference sheets of a specimen. `matrix` and `inclusion` name the case of a sheet of that phase alone, whose
+    forces are compared with those of the identified phase. `whole` names a case of unused frames of the same test."""
     judged_stretches: list[Positive] | None = None
     """Stretches at which identified and true stress are compared; left out, those of the test."""
 

@@ -68,7 +68,7 @@ class Stroke(Section):
 
     shape: Literal["stroke"]
     points: list[Point] = Field(min_length=2)
-    """Where the pen passes, one after the other."""
+    """Points that the pen passes, in order."""
     width: Positive
     """Width of the line."""
 

@@ -65,11 +65,11 @@ class Table(Section):
     x: Column = "x"
     """Name of the column of the position along x, without its unit; its number, from 1 on, where no line has names."""
     y: Column = "y"
-    """The same along y."""
+    """Name or number of the column of the position along y."""
     u: Column = "u"
     """Name of the column of the displacement along x, without its unit."""
     v: Column = "v"
-    """The same along y."""
+    """Name or number of the column of the displacement along y."""
     unit: Literal["pixel", "mm"] | None = None
     """Unit of positions and displacements; needed where the names of the columns do not end in it, as in `x [mm]`."""
     delimiter: Delimiter = ","
@@ -114,7 +114,7 @@ class SpecimenTest(Section):
     arrays: Arrays = Arrays()
     """Arrays of the frames where one file holds them all."""
     y_points: Literal["up", "down"] | None = None
-    """Where y of the frames points, if otherwise than their format has it."""
+    """Direction in which y of the frames points, if it differs from that of their format."""
     valid: dict[str, tuple[Union[float, None], Union[float, None]]] = Field(default_factory=dict)
     """Columns of the frames that say which points count, each with the smallest and the largest value of those that do;
     null for no such bound. Columns of known programs mark failed points by themselves."""
@@ -187,8 +187,9 @@ class SpecimenTest(Section):
     camera_motion: bool = True
     """Whether to take out what the camera moved and turned between the frames, as far as the held edges show it."""
     camera_growth: Union[float, Literal["ends"], None] = None
-    """By which share pictures after the first are larger, as those of a sheet nearer to the camera, which is taken out;
-    `ends`: as both ends that are held across get longer. Left out, 0, and a growth that frames show is asked about."""
+    """Share by which pictures after the first are larger, as those of a sheet nearer to the camera are. It is taken
+    out. `ends`: the share by which both held ends get longer. Left out, it is 0, and a growth in the frames is asked
+    about."""
     grid_offset: tuple[float, float] | None = None
     """Lower left corner of the field, from that of the first test [mm]; left out, their centres are one point."""
     frames: list[Count] | None = None
@@ -206,7 +207,7 @@ class SpecimenTest(Section):
     noise_pixels: Positive | None = None
     """Standard deviation of a measured displacement [pixel]; left out, it is estimated from the frames."""
     noise_mm: Positive | None = None
-    """The same in mm, instead."""
+    """Standard deviation of a measured displacement [mm], instead of `noise_pixels`."""
 
     @model_validator(mode="before")
     @classmethod

@@ -15,7 +15,7 @@ class Specimen(SpecimenTest):
     """Further tests of the same sheet, identified together: repeats, cycles, other loads. Where they are given, the
     specimen itself is none, and what it says holds for each of them that says nothing else."""
     published_at: str = ""
-    """Where the data can be found; shown where the folder is absent."""
+    """Place where the data are published; shown where the folder is absent."""
     optional: bool = Field(default=False, exclude=True)
     """Whether cases of this specimen are left out where its folder is absent, which is otherwise an error."""
     width: Positive
@@ -31,11 +31,11 @@ class Specimen(SpecimenTest):
     """Relative standard uncertainty of the thickness, which the level of the stress follows: that of callipers on a
     soft sheet."""
     pixel_size_uncertainty: Fraction = 0.005
-    """That of the pixel size, which the level follows where the points reach over the whole sheet: half a per cent of a
-    scale in the picture."""
+    """Relative standard uncertainty of the pixel size, by default that of a scale in the picture. The level of the
+    stress depends on it where the points cover the whole sheet."""
     camera_distance_uncertainty: Fraction = 0.0002
-    """That of the distance between camera and sheet in the course of a test, over the distance: every strain is off by
-    as much. A surface that moves by a tenth of a millimetre, seen from half a metre."""
+    """Standard uncertainty of the distance between camera and sheet during a test, over the distance. Every strain is
+    off by as much. The default is a motion of 0.1 mm, seen from half a metre."""
     thickness_map: str | None = None
     """Table of the thickness from place to place: columns x, y, thickness [mm], from the lower left corner of the
     measured field."""

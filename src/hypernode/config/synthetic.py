@@ -94,22 +94,22 @@ class Noise(Section):
     outliers: Fraction = 0.0
     """Share of the displacements that are off by ``outlier_size`` in a random direction."""
     outlier_size: NonNegative = 0.0
-    """How far, in the length unit of the sheet."""
+    """By how much an outlier is off, in the length unit of the sheet."""
     force: Fraction = 0.0
     """Relative standard deviation of the force of each step."""
     force_gain: Fraction = 0.0
-    """That of the load cell's gain along each axis, which the steps of a load case share."""
+    """Relative standard deviation of the load cell's gain along each axis; all steps of a load case share the error."""
     force_offset: Fraction = 0.0
-    """That of its zero, over the largest force."""
+    """Standard deviation of the load cell's zero, over the largest force."""
 
 
 class FurtherPhase(Section):
     """A further phase, drawn over what is already there."""
 
     geometry: str
-    """Where it is."""
+    """Name of the geometry inside which it is."""
     material: str
-    """What it consists of."""
+    """Name of its material."""
 
 
 class Camera(Section):

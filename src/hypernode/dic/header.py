@@ -87,7 +87,11 @@ def layout_of(lines: list[str], dialect: Dialect) -> Layout | None:
         return None
     if all(name.isascii() and name.isdigit() for name in dialect.recognised):
         return _without_names(lines, dialect)
+    words = {word for name in dialect.recognised for word in name.split()}
     for index, line in enumerate(lines[:HEAD_LINES]):
+        # Nearly all lines lack a word of nearly all dialects, and need not be taken apart.
+        if not all(word in line for word in words):
+            continue
         for delimiter in dict.fromkeys(delimiter for delimiter, _ in dialect.layouts):
             names = _names(line, delimiter)
             seen = {*names, *map(bare, names)}

@@ -117,12 +117,12 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
 
 
 def level_of(budget: LevelBudget | None, *names: str) -> float:
-    """Relative standard uncertainty of the level by some inputs together; zero without a budget."""
+    """Relative standard uncertainty of the level from some inputs together; zero without a budget."""
     return 0.0 if budget is None else float(np.sqrt(sum(budget.of(name).level ** 2 for name in names)))
 
 
 def level_beside_samples(budget: LevelBudget | None) -> float:
-    """That by the inputs which posterior samples do not know."""
+    """Relative standard uncertainty of the level from the inputs that posterior samples do not contain."""
     return level_of(budget, *BESIDE_SAMPLES)
 
 

@@ -1,4 +1,4 @@
-"""The likeliest causes of what a verdict warns of, each with what speaks for it.
+"""The likeliest causes of what a verdict warns of, each with its evidence.
 
 Forces are told apart by their course, displacements by their pattern, and the level by its budget. A cause is named
 only for criteria that are not met.
@@ -34,13 +34,13 @@ NEAR_LINE = 1.5
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What suspects are told from.
+    """The numbers by which suspects are told apart.
 
     Attributes:
-        pattern: of displacements; None where no field or no noise says what they should be.
+        pattern: of the residuals of displacements; None without a field or without noise.
         channels: courses of the forces.
         budget: of the level, None where no force was recorded.
-        too_noisy: misfit of displacements over what is believed of their noise.
+        too_noisy: misfit of displacements over their assumed noise.
         predicted: misfit of displacements of the largest steps, predicted from the others; None where there are none.
         slope: how the stiffness of one material changes, (change from side to side, share that is a plane), or None.
     """
@@ -60,7 +60,7 @@ def evidence_of(
     constrained: xr.Dataset | None,
     budget: LevelBudget | None,
 ) -> Evidence:
-    """All that is computed for the suspects of one run.
+    """Compute the evidence on one run.
 
     Args:
         summary, variables: of its judgement.
@@ -149,7 +149,7 @@ def _ranked(found: list[tuple[int, Suspect]]) -> tuple[Suspect, ...]:
 
 
 def forces_suspects(of: Iterable) -> list[Suspect]:
-    """By the courses of the forces, as if one cause explained all channels."""
+    """Causes told by the courses of the forces. One cause is assumed for all channels."""
     every = list(of)
     if not every:
         return []
@@ -179,7 +179,7 @@ def _force_words(name: str, channel) -> str:
 
 
 def displacement_suspects(pattern: Pattern | None, misfit: float) -> list[Suspect]:
-    """By the pattern of what displacements are missed by."""
+    """Causes told by the pattern of the residuals of displacements."""
     if pattern is None:
         return []
     if pattern.beyond < LOOKED_FOR:
@@ -224,7 +224,7 @@ def _prediction_suspects(evidence: Evidence) -> list[Suspect]:
 
 
 def level_suspects(budget: LevelBudget | None) -> list[Suspect]:
-    """By the parts of the budget of the level."""
+    """Causes told by the largest parts of the level's budget."""
     if budget is None or not budget.level:
         return []
     total = budget.level**2

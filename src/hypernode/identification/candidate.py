@@ -41,12 +41,12 @@ class Candidate:
 
     @property
     def history(self) -> list[float]:
-        """Misfit of the displacements before every step on the way here, over the noise that was believed then."""
+        """Misfit of the displacements before each step of the descent, over the noise assumed at that step."""
         return ([] if self.start is None else self.start.history) + self.fit.history
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Of the law."""
+        """Terms of the law."""
         return tuple(self.problem.basis.terms)
 
     @property
@@ -55,7 +55,7 @@ class Candidate:
         return round(np.sqrt(self.problem.refinement.subcells.shape[1]))
 
     def edges(self, problem: FieldProblem, steps: list[int]) -> Sequence[EdgeAnswers] | None:
-        """About how these steps answer to errors of edges that are as certain as here; None where it is not known.
+        """Approximate response of these steps to errors of held edges of the same certainty; None if unknown.
 
         The window and the law change what they answer by little.
         """
@@ -71,52 +71,52 @@ class Candidate:
 
     @property
     def missed(self) -> float:
-        """Misfit of the displacements over what is expected of their errors."""
+        """Misfit of the displacements over its expected value."""
         return self.fit.misfit / self.problem.observations.scatter
 
     @property
     def sigma_left(self) -> float:
-        """Uncertainty of displacements whose errors count as independent, with what is left of them as their noise."""
+        """Uncertainty of displacements as if their errors were independent, with their residual as the noise."""
         left = self.fit.left
         return self.problem.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0)
 
     @property
     def leaves_more_than_noise(self) -> bool:
-        """Whether displacements leave more than their noise by chance."""
+        """Whether the residual of displacements is larger than noise makes it by chance."""
         known = self.problem.observations.noise_uncertainty
         return bool(self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5))
 
     @property
     def leaves_mostly_no_noise(self) -> bool:
-        """Whether most of what displacements leave is no noise."""
+        """Whether most of the residual of displacements is no noise."""
         return bool(self.level > MOSTLY_NO_NOISE)
 
     def halves(self, other: "Candidate") -> bool:
-        """Whether it leaves less than half of the squares of another candidate, of which most were no noise."""
+        """Whether its squared residual is less than half of that of another candidate, most of which was no noise."""
         return bool(other.leaves_mostly_no_noise and self.fit.misfit**2 < 0.5 * other.fit.misfit**2)
 
     @property
     def leaves_nothing(self) -> bool:
-        """Whether equilibrium is solved no better than it explains displacements, and forces are missed by chance."""
+        """Whether residuals of displacements are as small as those of equilibrium, and those of forces are chance."""
         return bool(self.fit.misfit <= self.problem.solver_error and self.fit.forces <= 1.0)
 
     @property
     def misses_deformation(self) -> bool:
-        """Whether what it leaves is more than noise, and the same in all steps."""
+        """Whether its residual is larger than noise, and the same in all steps."""
         return self.leaves_more_than_noise and self.fit.left.alike
 
     @property
     def level(self) -> float:
-        """What displacements leave, over what is believed of their noise."""
+        """Residual of displacements over their assumed noise."""
         return self.fit.left.level / self.problem.observations.scatter
 
     def gain_over(self, other: "Candidate") -> float:
-        """By how much the score is better than that of another candidate, for residuals as shared as here."""
+        """Gain in score over another candidate, for residuals that share errors as these do; positive is better."""
         independent = self.fit.left.independent
         return other.score(independent).total - self.score(independent).total
 
     def score(self, independent: float) -> Score:
-        """Minus the logarithm of the probability after the test, where what is left tells the noise.
+        """Negative logarithm of the posterior probability, with the noise taken from the residual.
 
         Args:
             independent: how many independent numbers the residuals of displacements are worth.
@@ -134,7 +134,7 @@ class Candidate:
         )
 
     def trial(self, start: Trial | None, independent: float, promises: Mapping[str, float]) -> Trial:
-        """Its record, with :meth:`score` and what terms that may join promised."""
+        """Its record: :meth:`score`, and the gain that each further term promised."""
         misfits = {"displacement": self.missed, "force": self.fit.forces}
         score, ending = self.score(independent), str(self.fit.ending)
         return Trial(
