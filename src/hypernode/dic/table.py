@@ -9,11 +9,12 @@ import numpy as np
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
-from hypernode.dic.text import read_text, shown
+from hypernode.dic.text import read_text, shown, without_last_words
 from hypernode.dic.validity import failed, known_columns, named_columns, question, value_of
 
 #: What says the sign where the file does not show it.
 _DECLARED = "; of a declared table, table: {decimal: ...} says the sign"
+_NO_POINT = ": delete the line if it is no point"
 _WORDS = {"true": 1.0, "false": 0.0}
 
 
@@ -55,9 +56,9 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
 
 def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:
     """(number of each line from ``begin`` on that is not empty, these lines)."""
-    rows = lines[begin:]
+    rows = without_last_words(lines[begin:], str)
     if all(map(str.strip, rows)):
-        return np.arange(begin + 1, len(lines) + 1), rows
+        return begin + 1 + np.arange(len(rows)), rows
     filled = [k for k, line in enumerate(rows) if line.strip()]
     return np.array(filled, dtype=int) + begin + 1, [rows[k] for k in filled]
 
@@ -111,7 +112,7 @@ def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], di
         if len(fields) != width:
             commas = layout.delimiter == "," and len(fields) == 2 * width
             hint = ", as with decimal commas between commas: export with another separator" if commas else ""
-            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint}")
+            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint or _NO_POINT}")
         values.append([number_in(fields[k], layout.decimal, dialect.blanks, where, line) for k in columns])
     return np.array(values)
 
@@ -155,7 +156,7 @@ def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> f
         if not turned and {".", ","} <= set(word):
             hint = " (thousands? export without their sign)"
         elif not any(map(str.isdigit, word)):
-            hint = ": delete the line if it is no point"
+            hint = _NO_POINT
         raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
 
 

@@ -106,7 +106,7 @@ def record_of_test(
     if not files and usual:
         return None, missing(usual, "force_file")
     if files:
-        return None, missing(f"which force record is that of the test: {_listed(files)}", "force_file")
+        return None, missing(f"which force record is that of the test: {_listed(files)}: --set force_file=NAME", "force_file")
     workbooks = sorted(path.name for path in Path(test.folder).glob("*.xls*"))
     table = f"; save {workbooks[0]}, which is a workbook, as CSV" if workbooks else ""
     # A way that asks for names is of a table; whatever else lies there has none.

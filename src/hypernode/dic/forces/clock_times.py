@@ -39,10 +39,10 @@ def with_seconds(table: Table, column: int) -> Table:
             days += _DAY
         seconds.append(each + days)
     comma = any("," in cell for _, cells in table.rows for k, cell in enumerate(cells) if k != column)
-    return _with_times(table, column, [each - seconds[0] for each in _spread(seconds)], comma)
+    return _with_times(table, column, [each - seconds[0] for each in spread(seconds)], comma)
 
 
-def _spread(seconds: list[float]) -> list[float]:
+def spread(seconds: list[float]) -> list[float]:
     """Times of samples between two ticks of a clock that is coarser than they are, evenly from tick to tick.
 
     The first tick may have begun before the record, so that its samples are the last ones of it.
