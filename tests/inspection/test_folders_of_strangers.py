@@ -1,4 +1,4 @@
-"""Folders of people who did not know the importer: their words, their empty cells, their clocks, what they add below."""
+"""Folders of people who did not know the importer: their words, empty cells and clocks, and what they add below."""
 
 import re
 
@@ -87,6 +87,16 @@ def test_units_may_stand_behind_a_blank(tmp_path):
     quiet_and_right(tmp_path)
 
 
+def test_a_record_of_labview_is_read_and_a_row_that_is_none_is_named_in_any_file(tmp_path):
+    write(tmp_path, fields())
+    head = "\n".join(["LabVIEW Measurement\t", *(f"Key{k}\t{k}" for k in range(10)), "***End_of_Header***\t", "\t"])
+    head = "\n".join([head, *(f"Key{k}\t{k}" for k in range(7)), "***End_of_Header***\t\t"])
+    table(tmp_path / "log.lvm", f"{head}\nX_Value\tForce (N)\tComment", [TIME, FORCE], "\t", ",")
+    quiet_and_right(tmp_path)
+    table(tmp_path / "log.lvm", "Time (s);Force (N)", [TIME, ["overload", *map(str, FORCE[1:])]], ";")
+    assert "log.lvm:2: not a sample" in said_of(inspect(tmp_path, GIVEN))
+
+
 def test_a_clock_of_whole_seconds_is_spread_over_its_samples_in_any_column_of_time(tmp_path):
     """The mean of a second is the force in its middle, by which each force would be too large."""
     write(tmp_path, fields())
@@ -120,7 +130,7 @@ def test_few_digits_and_rests_are_no_readings_that_are_written_again():
     assert read_anew(few).all()
     held = np.interp(time, [0, 2, 4, 6, 8, 10], [0, 0, 1, 1, 2, 2])[:, None]
     assert read_anew(held).all()
-    assert read_anew((held + np.random.default_rng(1).normal(0.0, 0.01, held.shape))).all()
+    assert read_anew(held + np.random.default_rng(1).normal(0.0, 0.01, held.shape)).all()
 
 
 def test_files_named_by_their_load_are_in_its_order(tmp_path):

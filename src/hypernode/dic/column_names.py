@@ -17,7 +17,17 @@ _UNIT = re.compile(
 )
 _POSITIONS = ("pos", "position", "coord", "coordinate", "koordinate", "coordonnée", "coordonnee", "location")
 _POSITIONS += ("coordenada", "posición", "posicion", "coordinata", "posizione", "posição", "posicao", "coördinaat")
-_POSITIONS += ("koordinat", "koordinaatti", "posisjon", "coordinaat", "positie", "współrzędna", "координата", "坐标", "座標")
+_POSITIONS += (
+    "koordinat",
+    "koordinaatti",
+    "posisjon",
+    "coordinaat",
+    "positie",
+    "współrzędna",
+    "координата",
+    "坐标",
+    "座標",
+)
 _AT_REST = ("ref", "reference", "undeformed", "undef", "initial", "init")
 _BOTH_WAYS = tuple(each for word in (*_POSITIONS, *_AT_REST) for each in (f"{{}}{word}", f"{word}{{}}"))
 _PLACES = ("{}", "{}0", *_BOTH_WAYS, "points{}", "point{}")

@@ -46,6 +46,9 @@ def spread(seconds: list[float]) -> list[float]:
     """Times of samples between two ticks of a clock that is coarser than they are, evenly from tick to tick.
 
     The first tick may have begun before the record, so that its samples are the last ones of it.
+
+    Args:
+        seconds: of each sample, never decreasing.
     """
     ticks = [list(group) for _, group in itertools.groupby(seconds)]
     if len(ticks) < 3 or (usual := statistics.median(map(len, ticks[1:-1]))) < 2:

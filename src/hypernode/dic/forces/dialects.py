@@ -205,7 +205,7 @@ DIALECTS = (
             displacement={PULL: WAY_NAMES},
             image=image,
             units=units,
-            preamble=20,
+            preamble=30,
             delimiters=",;\t ",
         )
         for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))

@@ -90,9 +90,7 @@ def read_force_record(
     decimal = _decimal(table, [at for at, _ in columns])
     values = _samples(table, columns, decimal, timed=where[0] is not None)
     if where[0] is not None and where[1] is None:
-        kept = read_anew(values[:, 1:])
-        values[:, 0] = spread_ticks(values[:, 0], values[:, 1:])
-        table, values = replace(table, rows=[row for row, keep in zip(table.rows, kept, strict=True) if keep]), values[kept]
+        table, values = _read_in_time(table, values)
     refuse_volts(table, forces, values[:, -len(forces) :], decimal)
     return ForceRecord(
         path=path,
@@ -226,6 +224,14 @@ def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed
                 "that are of another test, or name a column that goes on, --set time_channel=NAME"
             )
     return np.array(samples)
+
+
+def _read_in_time(table: Table, values: np.ndarray) -> tuple[Table, np.ndarray]:
+    """Rows and their values [s, N], each at its own time, without those that repeat an earlier reading."""
+    kept = read_anew(values[:, 1:])
+    time = spread_ticks(values[:, 0], values[:, 1:])
+    rows = [row for row, keep in zip(table.rows, kept, strict=True) if keep]
+    return replace(table, rows=rows), np.column_stack([time, values[:, 1:]])[kept]
 
 
 def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarray | None:

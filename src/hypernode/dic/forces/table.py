@@ -178,7 +178,8 @@ def _in_dialect(
 
 def _samples(path: Path, header: list[str], rows: list[Row]) -> list[Row]:
     """The rows that are not empty, each with as many cells as the header, but for empty ones at their ends."""
-    samples, width = [], _filled(header)
+    # LabVIEW's last column has a cell where somebody wrote into it.
+    samples, width = [], _filled(header[:-1] if header[-1].lower() == "comment" else header)
     rows = [row for row in rows if _filled(row[1])]
     for line, cells in without_last_words(rows, lambda row: row[1][0]):
         if any("\n" in cell for cell in cells):

@@ -1,7 +1,5 @@
 """Records whose clock or whose force is written anew less often than their samples."""
 
-import itertools
-
 import numpy as np
 from jaxtyping import Bool, Float
 
