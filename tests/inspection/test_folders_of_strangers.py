@@ -81,6 +81,13 @@ def test_rows_without_a_force_are_no_samples(tmp_path, empty):
     quiet_and_right(tmp_path)
 
 
+def test_rows_that_begin_with_an_empty_cell_are_samples(tmp_path):
+    write(tmp_path, fields())
+    place = [f"{t:g}" if t in (0.0, 1.0) else "" for t in TIME]
+    table(tmp_path / "force_disp.csv", "Remark,Time (s),Force (N)", [place, TIME, FORCE])
+    quiet_and_right(tmp_path)
+
+
 def test_units_may_stand_behind_a_blank(tmp_path):
     write(tmp_path, fields())
     table(tmp_path / "force_disp.csv", '"Prüfzeit s";"Standardweg mm";"Kraft N"', COLUMNS, ";", ",")
@@ -126,8 +133,8 @@ def test_a_reading_that_is_written_again_is_no_force_of_a_later_time(tmp_path, h
 
 def test_few_digits_and_rests_are_no_readings_that_are_written_again():
     time = np.arange(0.0, 10.0, 0.01)
-    few = np.round(0.3 * time / 0.05)[:, None] * 0.05
-    assert read_anew(few).all()
+    for digit in (0.05, 0.0137):
+        assert read_anew(np.round(np.round(0.3 * time / digit)[:, None] * digit, 4)).all()
     held = np.interp(time, [0, 2, 4, 6, 8, 10], [0, 0, 1, 1, 2, 2])[:, None]
     assert read_anew(held).all()
     assert read_anew(held + np.random.default_rng(1).normal(0.0, 0.01, held.shape)).all()

@@ -56,11 +56,13 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
 
 def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:
     """(number of each line from ``begin`` on that is not empty, these lines)."""
-    rows = without_last_words(lines[begin:], str)
-    if all(map(str.strip, rows)):
-        return begin + 1 + np.arange(len(rows)), rows
-    filled = [k for k, line in enumerate(rows) if line.strip()]
-    return np.array(filled, dtype=int) + begin + 1, [rows[k] for k in filled]
+    rows = lines[begin:]
+    number = np.arange(begin + 1, len(lines) + 1)
+    if not all(map(str.strip, rows)):
+        filled = [k for k, line in enumerate(rows) if line.strip()]
+        number, rows = number[filled], [rows[k] for k in filled]
+    rows = without_last_words(rows, str)
+    return number[: len(rows)], rows
 
 
 def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) -> np.ndarray | None:

@@ -12,8 +12,8 @@ from hypernode.dic.errors import DicError
 MAX_BYTES = 2_000_000_000
 #: Code pages of Japanese, Chinese, Cyrillic and Central European Windows.
 _CODE_PAGES = ("shift_jis", "gb18030", "cp1251", "cp1250")
-#: Nothing, a comment, or a word of three letters at least: shorter ones are damaged numbers as well.
-_SAID = re.compile(r"[\s\"']*(?:$|#|//|%|(?P<word>[^\W\d_]{3,}))")
+#: A comment, or a word of three letters at least: shorter ones are damaged numbers as well.
+_SAID = re.compile(r"[\s\"']*(?:#|//|%|(?P<word>[^\W\d_]{3,}))")
 #: Words that stand for a number.
 _NUMBERS = re.compile(r"(?i:nan|inf|infinity|null|nil|none|true|false|nicht|non)$")
 #: A row as text, or as cells.
@@ -72,7 +72,7 @@ def without_last_words(rows: list[Row], first: Callable[[Row], str]) -> list[Row
     A table whose first row begins so names its rows, and keeps all of them.
 
     Args:
-        rows: lines, or cells of each.
+        rows: lines, or cells of each, none of them empty.
         first: text with which a row begins.
     """
     if not rows or _is_said(first(rows[0])):

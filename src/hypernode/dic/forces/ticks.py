@@ -11,8 +11,8 @@ _FOLLOW = 0.5
 #: Fewest ticks or runs of one reading that show a rule, fewest samples of such a run, and share of runs that must be
 #: as long as usual, but for a sample.
 _RUNS, _HELD, _ALIKE = 3, 3, 0.8
-#: Share of a digit by which jumps of a force may differ from whole numbers of digits.
-_WHOLE = 1e-3
+#: Share of a digit by which jumps of a force may differ from whole numbers of digits: one is written with three figures.
+_WHOLE = 0.01
 
 
 def spread_ticks(time: Float[np.ndarray, " sample"], force: Float[np.ndarray, "sample axis"]):
