@@ -215,6 +215,7 @@ def test_a_broken_record_is_refused_with_its_reason(tmp_path, name, fault):
 @pytest.mark.parametrize("name", RECORDS)
 def test_a_row_whose_force_is_missing_is_no_sample(tmp_path, name, cell):
     broken = Broken(tmp_path, name)
+    broken.save()
     whole = read_force_record(broken.path)
     broken.cells(with_cell(broken.record.force, cell), [broken.head + 3])
     broken.save()

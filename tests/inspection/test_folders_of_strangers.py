@@ -172,7 +172,7 @@ def test_few_points_of_the_reference_that_are_moved_are_told_from_a_sheet_that_i
 def test_what_a_folder_holds_in_the_place_of_frames_is_said_with_what_to_do(tmp_path):
     write(tmp_path / "one" / "DIC export", fields())
     table(tmp_path / "one" / "force_disp.csv", RECORD)
-    assert "'DIC export' has 9 tables: put the record of the machine among them" in said_of(
+    assert "'DIC export' has 9 tables: name that folder, with the record of the machine in it" in said_of(
         inspect(tmp_path / "one", GIVEN)
     )
     (tmp_path / "two").mkdir()

@@ -93,9 +93,7 @@ def _inner(folders: list[Path]) -> str:
     if not steps or not whole or any(each != names[0] for each in names):
         *others, most = sorted(zip(map(len, tables), folders, strict=True))
         if most[0] > 1 and all(count < 2 for count, _ in others):
-            return (
-                f"{most[1].name!r} has {most[0]} tables: put the record of the machine among them, and name that folder"
-            )
+            return f"{most[1].name!r} has {most[0]} tables: name that folder, with the record of the machine in it"
         return "each test has a folder of its own: name one of them"
     ordered = sorted(folders, key=lambda each: int(re.search(r"\d+", each.name)[0]))
     frame = max(tables[0], key=lambda path: path.stat().st_size)

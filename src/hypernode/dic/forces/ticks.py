@@ -11,7 +11,7 @@ _FOLLOW = 0.5
 #: Fewest ticks or runs of one reading that show a rule, fewest samples of such a run, and share of runs that must be
 #: as long as usual, but for a sample.
 _RUNS, _HELD, _ALIKE = 3, 3, 0.8
-#: Share of a digit by which jumps of a force may differ from whole numbers of digits: one is written with three figures.
+#: Share of a digit, which is written with three figures, by which jumps of a force may differ from whole numbers of it.
 _WHOLE = 0.01
 
 
@@ -44,7 +44,7 @@ def read_anew(force: Float[np.ndarray, "sample axis"]) -> Bool[np.ndarray, " sam
     """Which samples are readings of a load cell that is read less often than samples are written.
 
     A reading that is written again until the next one is none of these later times. Runs of one value that are not
-    equally long are left, as are values of a load cell with few digits: its force is near what it says all the time.
+    equally long are left. So are values of a load cell with few digits, whose force is near them all the time.
 
     Args:
         force: by sample and axis [N].
