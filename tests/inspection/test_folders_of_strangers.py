@@ -169,6 +169,18 @@ def test_few_points_of_the_reference_that_are_moved_are_told_from_a_sheet_that_i
     assert "3 of 169 points are, and the others are at rest" in said and "valid={COLUMN: [LOW, HIGH]}" in said
 
 
+def test_files_that_hold_nothing_are_refused_with_what_to_do(tmp_path):
+    write(tmp_path, fields())
+    write_record(tmp_path)
+    for text in ("", "x [mm],y [mm],u [mm],v [mm]\n"):
+        (tmp_path / "frame0004.csv").write_text(text)
+        said = said_of(inspect(tmp_path, GIVEN))
+        assert re.search(r"frame0004\.csv:\d+: .*: export it again, or delete it", said), said
+    (tmp_path / "objects").mkdir()
+    np.savez(tmp_path / "objects" / "t.npz", DIC_X=np.array([fields()[0], None], dtype=object), DIC_disp=fields())
+    assert "holds objects of Python: store arrays of numbers" in said_of(inspect(tmp_path / "objects", GIVEN))
+
+
 def test_what_a_folder_holds_in_the_place_of_frames_is_said_with_what_to_do(tmp_path):
     write(tmp_path / "one" / "DIC export", fields())
     table(tmp_path / "one" / "force_disp.csv", RECORD)

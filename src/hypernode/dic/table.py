@@ -34,7 +34,7 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     roles, marks = _roles(path, layout, dialect), _marks(path, layout, dialect)
     number, rows = _rows(lines, layout.header + 1)
     if not rows:
-        raise DicError(f"{path}:{layout.header + 2}: no points")
+        raise DicError(f"{path}:{layout.header + 2}: no points: export it again, or delete it")
     plain = _plain(rows, layout, [*roles.values(), *marks.values()], dialect.blanks)
     if plain is None:
         table = _row_by_row(path, number, rows, layout, list(roles.values()), dialect)
