@@ -126,7 +126,7 @@ BROKEN_FOLDERS = {
     "force: begins late": force("Time,Force\n(s),(N)\n5,1\n9,2\n"),
     "force: words": force("Time,Force\n(s),(N)\n0,one\n"),
     "force: binary": force(bytes(range(256))),
-    "force: not finite": force("Time,Force\n(s),(N)\n0,1\n1.5,nan\n9,3\n"),
+    "force: not finite": force("Time,Force\n(s),(N)\n0,1\n1.5,inf\n9,3\n"),
 }
 # fmt: on
 

@@ -55,13 +55,8 @@ def a_word_for_a_force(broken):
     broken.save()
 
 
-def an_empty_force(broken):
-    broken.cells(with_cell(broken.record.force, ""), [broken.head + 3])
-    broken.save()
-
-
-def a_force_that_is_not_finite(broken):
-    broken.cells(with_cell(broken.record.force, "nan"), [broken.head + 3])
+def a_force_that_is_infinite(broken):
+    broken.cells(with_cell(broken.record.force, "inf"), [broken.head + 3])
     broken.save()
 
 
@@ -184,8 +179,7 @@ NO_SAMPLES = "needs a header, a line of units and at least one sample"
 FAULTS = {
     cut_within_a_line: ("not a sample", True),
     a_word_for_a_force: ("not a sample: .*overload", True),
-    an_empty_force: ("not a sample", True),
-    a_force_that_is_not_finite: ("not a sample|not finite", True),
+    a_force_that_is_infinite: ("not a sample|not finite", True),
     a_force_that_is_too_large_for_a_number: ("not finite: .*1e400", True),
     time_that_goes_back: ("time goes back from|pictures go back from", True),
     two_records_in_one_file: ("not a sample|names no picture|fit force_set", None),
@@ -215,6 +209,21 @@ def test_a_broken_record_is_refused_with_its_reason(tmp_path, name, fault):
     words, line = FAULTS[fault]
     with refused(broken.path, words, line):
         read_force_record(broken.path)
+
+
+@pytest.mark.parametrize("cell", ["", "nan"])
+@pytest.mark.parametrize("name", RECORDS)
+def test_a_row_whose_force_is_missing_is_no_sample(tmp_path, name, cell):
+    broken = Broken(tmp_path, name)
+    broken.save()
+    whole = read_force_record(broken.path)
+    broken.cells(with_cell(broken.record.force, cell), [broken.head + 3])
+    broken.save()
+    if len(whole.axes) > 1:
+        with refused(broken.path, "not a sample|not finite", True):
+            read_force_record(broken.path)
+        return
+    np.testing.assert_allclose(read_force_record(broken.path).force, np.delete(whole.force, 3, axis=0))
 
 
 @pytest.mark.parametrize("name", RECORDS)

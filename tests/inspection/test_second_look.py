@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.dic.dialects import BY_NAME
-from hypernode.dic.forces.clock_times import _spread
+from hypernode.dic.forces.clock_times import spread
 from hypernode.dic.points import read_points
 from hypernode.inspection.folder import inspect
 from hypernode.inspection.report import report
@@ -66,7 +66,7 @@ def test_ticks_of_whole_seconds_are_spread_over_their_samples(tmp_path):
     record(folder, "Time,Force (N)", lambda t, way, f: f"10:00:{int(t + 1e-9):02d},{f:.6f}")
     assert right(inspect(folder, GIVEN))
     # The first tick had begun before the record.
-    assert _spread([0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3]) == pytest.approx(np.arange(11) * 0.25 + 0.5)
+    assert spread([0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3]) == pytest.approx(np.arange(11) * 0.25 + 0.5)
 
 
 def test_a_record_whose_columns_stand_between_blanks_is_read(tmp_path):

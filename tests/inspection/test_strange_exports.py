@@ -192,7 +192,8 @@ def test_a_row_that_is_no_point_is_refused_with_the_way_out(tmp_path):
     write(tmp_path, fields())
     write_record(tmp_path)
     path = tmp_path / "frame0000.csv"
-    path.write_text(path.read_text() + "Mean,,1.0,2.0\n")
+    first, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([first, "Mean,,1.0,2.0", *rows[1:], rows[0], ""]))
     assert "delete the line if it is no point" in said_of(inspect(tmp_path, GIVEN))
     with pytest.raises(DicError, match="thousands"):
         number_in("1,000.0", ".", blanks=True, where="frame.csv:3", line="1,000.0;1;0;0")

@@ -70,7 +70,9 @@ def _arrays_in(path: Path) -> dict[str, np.ndarray]:
             return _of_hdf5(path)
         return _of_matlab(path)
     except _BROKEN as error:
-        raise DicError(f"{path}: cannot be read as arrays: {error}") from None
+        objects = "pickle" in str(error)
+        why = "it holds objects of Python: store arrays of numbers, one of each kind" if objects else error
+        raise DicError(f"{path}: cannot be read as arrays: {why}") from None
 
 
 def _of_matlab(path: Path) -> dict[str, np.ndarray]:

@@ -12,11 +12,22 @@ from hypernode.dic.header import LENGTHS, cells_of
 _LINES = 60
 #: Ways in which a unit stands behind a name: in brackets, or after a sign.
 _UNIT = re.compile(
-    r"^(?P<name>.*?)(?:\s*[\[(](?P<in>[^\[\]()]*)[\])]|\s*(?:[_,/]|\s|\bin\b)\s*(?P<after>mm|px|pixels?|um|µm|cm))$"
+    r"^(?P<name>.*?)(?:\s*[\[(](?P<in>[^\[\]()]*)[\])]|\s*(?:[_,/]|\s|\bin\b)\s*(?P<after>mm|px|pixels?|um|µm|cm))$",
+    re.IGNORECASE,
 )
 _POSITIONS = ("pos", "position", "coord", "coordinate", "koordinate", "coordonnée", "coordonnee", "location")
 _POSITIONS += ("coordenada", "posición", "posicion", "coordinata", "posizione", "posição", "posicao", "coördinaat")
-_POSITIONS += ("coordinaat", "positie", "współrzędna", "координата", "坐标", "座標")
+_POSITIONS += (
+    "koordinat",
+    "koordinaatti",
+    "posisjon",
+    "coordinaat",
+    "positie",
+    "współrzędna",
+    "координата",
+    "坐标",
+    "座標",
+)
 _AT_REST = ("ref", "reference", "undeformed", "undef", "initial", "init")
 _BOTH_WAYS = tuple(each for word in (*_POSITIONS, *_AT_REST) for each in (f"{{}}{word}", f"{word}{{}}"))
 _PLACES = ("{}", "{}0", *_BOTH_WAYS, "points{}", "point{}")
@@ -26,6 +37,10 @@ _MOVED_PLACES = tuple(each for word in _MOVED for each in (f"{{}}{word}", f"{wor
 _ENDS = (*_MOVED_PLACES, "{}1")
 _WORDS = ("displacement", "disp", "verschiebung", "verformung", "déplacement", "deplacement", "depl", "dépl")
 _WORDS += ("desplazamiento", "spostamento", "deslocamento", "verplaatsing", "przemieszczenie", "位移", "変位")
+_WORDS += ("förskjutning", "forskydning", "forskyvning", "siirtymä")
+#: What stands between a word for a displacement and its axis.
+_BETWEEN = {"in", "along", "direction", "dir", "component", "nach", "entlang", "richtung", "komponente", "en", "selon"}
+_BETWEEN |= {"suivant", "sens", "dirección", "direccion", "lungo", "direzione", "componente", "composante", "i"}
 _MOVES = ("{0}", "{0}{1}", "u{1}", "d{1}", *(f"{{1}}{word}" for word in _WORDS), *(f"{word}{{1}}" for word in _WORDS))
 _MOVES += (*(f"{word}{{0}}" for word in _WORDS), *(f"{{0}}{word}" for word in _WORDS))
 #: Words that stand for an axis.
@@ -47,7 +62,8 @@ def named_table(lines: Sequence[str]) -> Dialect | None:
         lines: of the beginning of a file.
     """
     for line in lines[:_LINES]:
-        for sign in _SIGNS:
+        # Names may have blanks where another sign stands between them.
+        for sign in _SIGNS if all(map(lambda sign: line.count(sign) < 3, ",;\t")) else _SIGNS[:-1]:
             names = cells_of(line.lstrip("# "), sign)
             if len(names) >= len("xyuv") and (found := _dialect(names, sign)):
                 return found
@@ -57,13 +73,13 @@ def named_table(lines: Sequence[str]) -> Dialect | None:
 def _dialect(names: list[str], sign: str) -> Dialect | None:
     split = [_name_and_unit(name) for name in names]
     plain = [_plain(name) for name, _ in split]
-    columns = {role: _column(plain, role, _PLACES, _MOVES) for role in "xyuv"}
+    columns = {role: _column(plain, role, _PLACES, ()) for role in "xy"} | _moved(plain)
     deformed = False
     ends = {role: _column(plain, axis, _ENDS, ()) for role, axis in zip("uv", "xy", strict=True)}
     positions = columns["u"] is columns["v"] is None not in ends.values()
     columns |= ends if positions else {}
     if columns["x"] is None and columns["y"] is None:
-        columns |= {role: _column(plain, role, _MOVED_PLACES, _MOVES) for role in "xy"}
+        columns |= {role: _column(plain, role, _MOVED_PLACES, ()) for role in "xy"}
         deformed = True
     if None in columns.values() or len(set(columns.values())) < len(columns):
         return None
@@ -87,10 +103,20 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
 
 def _plain(name: str) -> str:
     """A name in small letters without blanks, and a letter for an axis."""
-    name = re.sub(r"[\s_.\-]+", "", name.lower())
+    words = re.split(r"[\s_.\-]+", name.lower())
+    if any(word in each for word in _WORDS for each in words):
+        words = [each for each in words if each not in _BETWEEN]
+    name = "".join(words)
     for axis, words in _AXES.items():
         name = words.sub(axis, name)
     return name
+
+
+def _moved(plain: list[str]) -> dict[str, int | None]:
+    """Indices of u and v: of the first words that both have, since u beside ux and uy is how far a point has moved."""
+    alike = [{role: _column(plain, role, (), (word,)) for role in "uv"} for word in _MOVES]
+    mixed = {role: _column(plain, role, (), _MOVES) for role in "uv"}
+    return next((each for each in alike if None not in each.values()), mixed)
 
 
 def _name_and_unit(name: str) -> tuple[str, str]:

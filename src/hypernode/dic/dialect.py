@@ -5,7 +5,9 @@ from dataclasses import KW_ONLY, dataclass, field
 
 #: How a number that is none is written, in lower case.
 NOT_A_NUMBER = (
-    *("", "nan", "-nan", "-nan(ind)", "non un numero reale", "n. def.", "nicht numerisch"),
+    *("", "nan", "-nan", "non un numero reale", "n. def.", "nicht numerisch"),
+    *("nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"),
+    *("1.#inf", "-1.#inf", "1.#nan", "#num!", "#zahl!", "n.a."),
     *("na", "n/a", "#n/a", "#nv", "#wert!", "#value!", "#div/0!", "nil", "null", "none", "-", "--", "---", "*"),
 )
 

@@ -140,7 +140,7 @@ def _refuse_twice(points: Points, place: np.ndarray) -> None:
     if (counts > 1).any():
         again = np.flatnonzero(place == unique[np.argmax(counts)])[1]
         # One is a slip; many are a sheet that shrank to a point.
-        units = ": are positions in another unit?" if 2 * len(unique) < len(place) else ""
+        units = ": are positions in another unit?" if 2 * len(unique) < len(place) else ": delete the row"
         raise DicError(f"{points.path}:{points.line[again]}: the point {_shown(points, again)} is there twice{units}")
 
 

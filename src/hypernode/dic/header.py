@@ -172,7 +172,7 @@ def shows(lines: list[str], dialect: Dialect) -> bool:
 def refusal(path: Path, lines: list[str], dialect: Dialect) -> DicError:
     """What is wrong with the header of a file that is not of its series' dialect."""
     if not lines:
-        return DicError(f"{path}:1: the file is empty")
+        return DicError(f"{path}:1: the file is empty: export it again, or delete it")
     if not dialect.recognised:
         return DicError(f"{path}:1: not a file of {dialect.software}, found {lines[0][:60]!r}")
     at, names = _most_like_a_header(lines, dialect)

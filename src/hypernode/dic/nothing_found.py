@@ -11,6 +11,7 @@ from hypernode.dic.header import HEAD_BYTES, cells_of, is_number
 from hypernode.dic.text import read_text, shown
 
 SUFFIXES = {".csv", ".txt", ".dat", ".asc", ".tsv", *array_files.SUFFIXES}
+_PACKED = {".zip", ".7z", ".rar", ".tar", ".gz", ".tgz"}
 #: Most files in the folder of one load step: a field, forces and what a program adds.
 _MOST_OF_A_STEP = 8
 #: Lines in which the first row of numbers is looked for.
@@ -37,6 +38,11 @@ def nothing_found(folder: Path, paths: list[Path], known: Sequence[Dialect]) -> 
         return f"{about} the folders {shown(path.name for path in inner)}: {_inner(inner)}"
     if not paths and (single := sorted(path.name for path in folder.glob("*.npy"))):
         return f"{about} {shown(single)}, an array each: {_ONE_FILE}, u and v by frame and point"
+    packed = sorted(path.name for path in folder.iterdir() if path.suffix.lower() in _PACKED)
+    if packed and not paths:
+        return f"{about} {shown(packed)}: unpack it"
+    held = sorted(path for path in folder.iterdir() if path.suffix.lower() in array_files.SUFFIXES)
+    paths = held if held and len(paths) < 2 else paths
     names = shown(path.name for path in paths)
     if not paths:
         return f"{about} no table{_another(_option([], ','))}"
@@ -85,7 +91,10 @@ def _inner(folders: list[Path]) -> str:
     steps = len(folders) > 1 and all(re.fullmatch(r"\D*\d+\D*", each.name) for each in folders)
     whole = all(len(each) == len(tables[0]) for each in tables) and 0 < len(tables[0]) <= _MOST_OF_A_STEP
     if not steps or not whole or any(each != names[0] for each in names):
-        return "each test has a folder of its own"
+        *others, most = sorted(zip(map(len, tables), folders, strict=True))
+        if most[0] > 1 and all(count < 2 for count, _ in others):
+            return f"{most[1].name!r} has {most[0]} tables: name that folder, with the record of the machine in it"
+        return "each test has a folder of its own: name one of them"
     ordered = sorted(folders, key=lambda each: int(re.search(r"\d+", each.name)[0]))
     frame = max(tables[0], key=lambda path: path.stat().st_size)
     step = f"Step{int(re.search(r'[0-9]+', ordered[0].name)[0]):04d}{frame.suffix}"

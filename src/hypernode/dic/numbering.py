@@ -8,6 +8,8 @@ from hypernode.dic.errors import DicError
 
 #: Digits of a frame's number that DaVis and others write; what stands before them belongs to the name.
 _DIGITS = 4
+#: A load, a way, a strain or a time with decimals.
+_DECIMAL = re.compile(r"(-?\d+[.,]\d+)(?= ?(?:[mk]?N|[mu\u00b5]m|%|m?s)(?![A-Za-z]))")
 #: Largest number of a frame that a computer tells from the next one, whatever it is multiplied by.
 _LARGEST = 10**15
 
@@ -31,6 +33,8 @@ def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
     front = {each[:-_DIGITS] for each in digits if width > _DIGITS and len(each) == width}
     cut = width - _DIGITS if len(front) == 1 and all(len(each) == width for each in digits) else 0
     if (len(others) > 1 and not _goes_together(runs, place)) or _two_series(digits, width):
+        if decimals := _by_decimals(paths):
+            return decimals
         names = sorted({re.sub(r"\d+", "#", path.name) for path in paths} | {path.name for path in paths[:2]})
         raise DicError(f"{folder}: several series ({', '.join(names)}, ...): keep one a folder")
     files: dict[int, Path] = {}
@@ -42,6 +46,15 @@ def numbered(folder: Path, paths: list[Path]) -> dict[int, Path]:
             raise DicError(f"{path}: frame {number} is there twice ({files[number].name})")
         files[number] = path
     return dict(sorted(files.items()))
+
+
+def _by_decimals(paths: list[Path]) -> dict[int, Path]:
+    """Running number -> file, from 0 on, where names differ in one number with decimals and a unit; else nothing."""
+    values = {path: _DECIMAL.findall(path.name) for path in paths}
+    if len({_DECIMAL.sub("", name.name) for name in paths}) > 1 or any(len(found) != 1 for found in values.values()):
+        return {}
+    number = {path: float(found[0].replace(",", ".")) for path, found in values.items()}
+    return dict(enumerate(sorted(paths, key=number.get))) if len(set(number.values())) == len(paths) else {}
 
 
 def _goes_together(runs: list[list[str]], place: int) -> bool:

@@ -41,6 +41,13 @@ def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[],
         return
     worst = int(np.nanargmax(size))
     about = f"{points.path}:{points.line[worst]}: the first frame is moved by {size[worst]:.4g} {points.unit}: "
+    moved = int((size > _AT_REST * step).sum())
+    if 2 * moved < int(np.isfinite(size).sum()):
+        raise DicError(
+            f"{about}{moved} of {len(size)} points are, and the others are at rest: where the program failed at them, "
+            "mark them by a column that tells so, --set 'valid={COLUMN: [LOW, HIGH]}', or delete their rows; where the "
+            "sheet is stretched, export its reference, whose displacement is zero, as the first frame"
+        )
     end = last()
     if np.nanmax(_moved(end), initial=0.0) <= _AT_REST * step:
         raise DicError(

@@ -9,11 +9,12 @@ import numpy as np
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
 from hypernode.dic.header import Layout, bare, cells_of, layout_of, refusal
-from hypernode.dic.text import read_text, shown
+from hypernode.dic.text import read_text, shown, without_last_words
 from hypernode.dic.validity import failed, known_columns, named_columns, question, value_of
 
 #: What says the sign where the file does not show it.
 _DECLARED = "; of a declared table, table: {decimal: ...} says the sign"
+_NO_POINT = ": delete the line if it is no point"
 _WORDS = {"true": 1.0, "false": 0.0}
 
 
@@ -33,7 +34,7 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
     roles, marks = _roles(path, layout, dialect), _marks(path, layout, dialect)
     number, rows = _rows(lines, layout.header + 1)
     if not rows:
-        raise DicError(f"{path}:{layout.header + 2}: no points")
+        raise DicError(f"{path}:{layout.header + 2}: no points: export it again, or delete it")
     plain = _plain(rows, layout, [*roles.values(), *marks.values()], dialect.blanks)
     if plain is None:
         table = _row_by_row(path, number, rows, layout, list(roles.values()), dialect)
@@ -56,10 +57,12 @@ def read_table(path: Path, dialect: Dialect) -> tuple[dict[str, np.ndarray], np.
 def _rows(lines: list[str], begin: int) -> tuple[np.ndarray, list[str]]:
     """(number of each line from ``begin`` on that is not empty, these lines)."""
     rows = lines[begin:]
-    if all(map(str.strip, rows)):
-        return np.arange(begin + 1, len(lines) + 1), rows
-    filled = [k for k, line in enumerate(rows) if line.strip()]
-    return np.array(filled, dtype=int) + begin + 1, [rows[k] for k in filled]
+    number = np.arange(begin + 1, len(lines) + 1)
+    if not all(map(str.strip, rows)):
+        filled = [k for k, line in enumerate(rows) if line.strip()]
+        number, rows = number[filled], [rows[k] for k in filled]
+    rows = without_last_words(rows, str)
+    return number[: len(rows)], rows
 
 
 def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) -> np.ndarray | None:
@@ -111,7 +114,7 @@ def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], di
         if len(fields) != width:
             commas = layout.delimiter == "," and len(fields) == 2 * width
             hint = ", as with decimal commas between commas: export with another separator" if commas else ""
-            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint}")
+            raise DicError(f"{where}: {len(fields)} fields, the header has {width}{hint or _NO_POINT}")
         values.append([number_in(fields[k], layout.decimal, dialect.blanks, where, line) for k in columns])
     return np.array(values)
 
@@ -155,7 +158,7 @@ def number_in(cell: str, decimal: str, blanks: bool, where: str, line: str) -> f
         if not turned and {".", ","} <= set(word):
             hint = " (thousands? export without their sign)"
         elif not any(map(str.isdigit, word)):
-            hint = ": delete the line if it is no point"
+            hint = _NO_POINT
         raise DicError(f"{where}: not a number in {line[:60]!r}{hint}") from None
 
 

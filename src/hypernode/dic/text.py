@@ -1,8 +1,10 @@
 """Text in whatever encoding a laboratory's software writes it."""
 
 import codecs
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from hypernode.dic.errors import DicError
 
@@ -10,6 +12,12 @@ from hypernode.dic.errors import DicError
 MAX_BYTES = 2_000_000_000
 #: Code pages of Japanese, Chinese, Cyrillic and Central European Windows.
 _CODE_PAGES = ("shift_jis", "gb18030", "cp1251", "cp1250")
+#: A comment, or a word of three letters at least: shorter ones are damaged numbers as well.
+_SAID = re.compile(r"[\s\"']*(?:#|//|%|(?P<word>[^\W\d_]{3,}))")
+#: Words that stand for a number.
+_NUMBERS = re.compile(r"(?i:nan|inf|infinity|null|nil|none|true|false|nicht|non)$")
+#: A row as text, or as cells.
+Row = TypeVar("Row")
 
 
 def read_text(path: Path, limit: int = MAX_BYTES) -> str:
@@ -56,6 +64,26 @@ def readings(path: Path) -> Iterator[str]:
             continue
         if other != text:
             yield other
+
+
+def without_last_words(rows: list[Row], first: Callable[[Row], str]) -> list[Row]:
+    """Rows of a table without what a program adds below them: lines that begin with a word, or as comments do.
+
+    A table whose first row begins so names its rows, and keeps all of them.
+
+    Args:
+        rows: lines, or cells of each, none of them empty.
+        first: text with which a row begins.
+    """
+    if not rows or _is_said(first(rows[0])):
+        return rows
+    last = next((k for k in range(len(rows), 0, -1) if not _is_said(first(rows[k - 1]))), 0)
+    return rows[:last]
+
+
+def _is_said(text: str) -> bool:
+    match = _SAID.match(text)
+    return match is not None and not (match["word"] and _NUMBERS.match(match["word"]))
 
 
 def refuse_cut_lines(paths: Iterable[Path]) -> None:

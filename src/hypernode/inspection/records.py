@@ -106,11 +106,14 @@ def record_of_test(
     if not files and usual:
         return None, missing(usual, "force_file")
     if files:
-        return None, missing(f"which force record is that of the test: {_listed(files)}", "force_file")
+        return None, missing(
+            f"which force record is that of the test: {_listed(files)}: --set force_file=NAME", "force_file"
+        )
     workbooks = sorted(path.name for path in Path(test.folder).glob("*.xls*"))
     table = f"; save {workbooks[0]}, which is a workbook, as CSV" if workbooks else ""
-    # A way that asks for names is of a table; whatever else lies there has none.
-    tables = [path for path in others if "force_channel" in others[path]]
+    # A way that asks for names is of a table, and a row that is none of a record; whatever else lies there is neither.
+    faults = [path for path in others if "not a sample" in others[path]]
+    tables = faults or [path for path in others if "force_channel" in others[path]]
     likely = max(tables, key=lambda path: path.stat().st_size, default=None)
     asked = f". If {likely.name} is it: {others[likely]}" if likely else ""
     return None, missing(

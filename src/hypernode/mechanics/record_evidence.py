@@ -192,4 +192,6 @@ def _whitening(record: Record, stretch, slope, noise: tuple[float, float]):
     clock = slope * np.gradient(stretch, record.times) * 0.5 * record.interval
     for error in (np.full(len(stretch), ZERO), clock, PRELOAD * slope * stretch):
         covariance += np.outer(error[seen], error[seen])
-    return np.linalg.inv(np.linalg.cholesky(covariance + 1e-10 * np.eye(len(times))))
+    # What rounding leaves of the largest variance, so that readings that are no forces have a factor too.
+    least = 1e-10 * max(1.0, float(covariance.diagonal().max()))
+    return np.linalg.inv(np.linalg.cholesky(covariance + least * np.eye(len(times))))

@@ -39,13 +39,16 @@ def with_seconds(table: Table, column: int) -> Table:
             days += _DAY
         seconds.append(each + days)
     comma = any("," in cell for _, cells in table.rows for k, cell in enumerate(cells) if k != column)
-    return _with_times(table, column, [each - seconds[0] for each in _spread(seconds)], comma)
+    return _with_times(table, column, [each - seconds[0] for each in spread(seconds)], comma)
 
 
-def _spread(seconds: list[float]) -> list[float]:
+def spread(seconds: list[float]) -> list[float]:
     """Times of samples between two ticks of a clock that is coarser than they are, evenly from tick to tick.
 
     The first tick may have begun before the record, so that its samples are the last ones of it.
+
+    Args:
+        seconds: of each sample, never decreasing.
     """
     ticks = [list(group) for _, group in itertools.groupby(seconds)]
     if len(ticks) < 3 or (usual := statistics.median(map(len, ticks[1:-1]))) < 2:

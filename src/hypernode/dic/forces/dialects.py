@@ -48,7 +48,7 @@ class ForceDialect:
 #: Names of columns in the languages of usual machines and loggers: time, force, way, and number of a picture.
 TIME_NAMES = (
     *("time", "elapsed time", "total time", "running time", "test time", "t", "zeit", "gesamtzeit", "prüfzeit"),
-    *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp"),
+    *("laufzeit", "messzeit", "temps", "temps écoulé", "temps ecoule", "time stamp", "timestamp", "x_value"),
     *("uhrzeit", "zeitstempel", "heure", "horodatage", "hora", "ora", "clock", "date time", "datetime", "date/time"),
     *("tiempo", "tempo", "tijd", "tid", "czas", "čas", "aika", "zaman", "время", "时间", "時間"),
 )
@@ -205,7 +205,7 @@ DIALECTS = (
             displacement={PULL: WAY_NAMES},
             image=image,
             units=units,
-            preamble=20,
+            preamble=30,
             delimiters=",;\t ",
         )
         for usual, time, image in (("usual_names", TIME_NAMES, ()), ("pictures", (), PICTURE_NAMES))

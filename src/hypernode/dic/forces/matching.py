@@ -98,8 +98,9 @@ class PullRecord:
         early = time < self.time[0] - self.rounded
         if early.any():
             raise DicError(
-                f"{path}: begins at {self.time[0]:g} s, after frame {numbers[early][0]} at {time[early][0]:g} s: set "
-                "first_frame_time to the time of the first frame in the clock of the record"
+                f"{path}: begins at {self.time[0]:.15g} s, after frame {numbers[early][0]} at {time[early][0]:g} s: "
+                "set first_frame_time to the time of the first frame in the clock of the record, --set "
+                f"first_frame_time={self.time[0]:.15g} where both begin at once"
             )
         return np.interp(time, self.time, self.force)
 

@@ -1,17 +1,20 @@
 """Force records of testing machines, whatever program wrote them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.dic.dialect import NOT_A_NUMBER
 from hypernode.dic.errors import DicError
+from hypernode.dic.forces.beside import refuse_volts, section_of
 from hypernode.dic.forces.clock_times import with_seconds
-from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, STRESS_UNITS, TIME_UNITS, VOLTS, ForceDialect
+from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, PULL, TIME_UNITS, VOLTS, ForceDialect
 from hypernode.dic.forces.numbers import AmbiguousNumbersError, decimal_sign, parse_number
 from hypernode.dic.forces.pictures import picture_column, pictures_of
 from hypernode.dic.forces.table import Table, choose_cycle, read_table
+from hypernode.dic.forces.ticks import read_anew, spread_ticks
 from hypernode.dic.series import Series
 from hypernode.dic.text import shown
 
@@ -77,6 +80,7 @@ def read_force_record(
     table = choose_cycle(read_table(path, dialect, tuple(named), time), set_name, cycle)
     forces = _force_columns(table, channel)
     at_time = table.find(table.dialect.time) if time is None else _channel(table, time, "time_channel")
+    table = _with_a_force(table, list(forces.values()))
     where = (at_time, picture_column(table))
     if at_time is not None:
         table = with_seconds(table, at_time)
@@ -85,7 +89,9 @@ def read_force_record(
         columns.insert(0, (where[0], _scale(table, where[0], TIME_UNITS, "time in (s)")))
     decimal = _decimal(table, [at for at, _ in columns])
     values = _samples(table, columns, decimal, timed=where[0] is not None)
-    _not_volts(table, forces, values[:, -len(forces) :], decimal)
+    if where[0] is not None and where[1] is None:
+        table, values = _read_in_time(table, values)
+    refuse_volts(table, forces, values[:, -len(forces) :], decimal)
     return ForceRecord(
         path=path,
         dialect=table.dialect,
@@ -95,7 +101,7 @@ def read_force_record(
         force=values[:, -len(forces) :],
         displacement=_displacement(table, tuple(forces), decimal),
         channels=tuple(table.header[at] for at in forces.values()),
-        section=_section(table, values[:, -1], decimal) if len(forces) == 1 else None,
+        section=section_of(table, values[:, -1], decimal) if len(forces) == 1 else None,
     )
 
 
@@ -180,6 +186,18 @@ def _scale(table: Table, column: int, known: dict[str, float], wanted: str) -> f
     return known[unit]
 
 
+def _with_a_force(table: Table, columns: list[int]) -> Table:
+    """The table without rows whose cells of the force are all empty, as where a logger has several rates.
+
+    Raises:
+        DicError: no row has a force.
+    """
+    rows = [row for row in table.rows if any(row[1][k].strip().lower() not in NOT_A_NUMBER for k in columns)]
+    if not rows:
+        raise DicError(f"{table.path}:{table.line}: no sample has a force: name another column, force_channel")
+    return replace(table, rows=rows)
+
+
 def _decimal(table: Table, columns: list[int]) -> str:
     cells = ((line, cells[k]) for line, cells in table.rows for k in columns)
     try:
@@ -208,6 +226,14 @@ def _samples(table: Table, columns: list[tuple[int, float]], decimal: str, timed
     return np.array(samples)
 
 
+def _read_in_time(table: Table, values: np.ndarray) -> tuple[Table, np.ndarray]:
+    """Rows and their values [s, N], each at its own time, without those that repeat an earlier reading."""
+    kept = read_anew(values[:, 1:])
+    time = spread_ticks(values[:, 0], values[:, 1:])
+    rows = [row for row, keep in zip(table.rows, kept, strict=True) if keep]
+    return replace(table, rows=rows), np.column_stack([time, values[:, 1:]])[kept]
+
+
 def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarray | None:
     """Displacement [mm] by sample and axis; None where a column, its unit or a number of it is not there."""
     names = [table.dialect.displacement.get(axis, ()) for axis in axes]
@@ -219,32 +245,3 @@ def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarr
     except ValueError:
         return None
     return values * np.array([LENGTH_UNITS[table.units[k]] for k in columns]) if np.isfinite(values).all() else None
-
-
-def _section(table: Table, force: np.ndarray, decimal: str) -> float | None:
-    """Force [N] over the stress of a column beside it [MPa], where they are in one proportion."""
-    for at in (k for k, unit in enumerate(table.units) if unit in STRESS_UNITS):
-        try:
-            stress = STRESS_UNITS[table.units[at]] * np.array([parse_number(row[at], decimal) for _, row in table.rows])
-        except ValueError:
-            continue
-        large = np.abs(stress) > 0.3 * np.abs(stress).max(initial=0.0)
-        ratio = force[large] / stress[large]
-        if large.any() and np.median(ratio) > 0.0 and np.ptp(ratio) <= 0.1 * np.median(ratio):
-            return float(np.median(ratio))
-    return None
-
-
-def _not_volts(table: Table, forces: dict[str, int], values: np.ndarray, decimal: str) -> None:
-    """Refuse a column that says N and repeats the volts of a column beside it."""
-    for volts in (k for k, unit in enumerate(table.units) if unit in VOLTS):
-        try:
-            raw = np.array([parse_number(cells[volts], decimal) for _, cells in table.rows])
-        except ValueError:
-            continue
-        for column, at in enumerate(forces.values()):
-            if np.array_equal(raw, values[:, column]) and np.ptp(raw) > 0:
-                raise DicError(
-                    f"{table.path}:{table.line}: {table.header[at]!r} repeats the volts of {table.header[volts]!r}: "
-                    "export the calibrated force"
-                )

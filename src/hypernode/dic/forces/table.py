@@ -2,34 +2,21 @@
 
 import csv
 import io
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernode.dic.errors import DicError
-from hypernode.dic.forces.dialects import (
-    DIALECTS,
-    FORCE_UNITS,
-    LENGTH_UNITS,
-    STRESS_UNITS,
-    TIME_UNITS,
-    VOLTS,
-    ForceDialect,
-)
+from hypernode.dic.forces.column_units import name_and_unit
+from hypernode.dic.forces.dialects import DIALECTS, ForceDialect
 from hypernode.dic.header import is_number, with_units
-from hypernode.dic.text import readings, shown
+from hypernode.dic.text import readings, shown, without_last_words
 
-_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
 _TOO_SHORT = "needs a header, a line of units and at least one sample"
 #: Letters of the names of cycles in a message.
 LONGEST_LIST = 200
 #: Number of a line, and its cells.
 Row = tuple[int, list[str]]
-_SUFFIX = re.compile(r"^(?P<name>.*)_(?P<unit>[^_]+)$")
-#: A unit after a sign, as in Force / N, Force, N and F in N.
-_SIGN = re.compile(r"^(?P<name>.+?)\s*(?:/|,|\s+in\s)\s*(?P<unit>[^\s/,]+)$")
-_UNITS = {*TIME_UNITS, *FORCE_UNITS, *LENGTH_UNITS, *STRESS_UNITS, *VOLTS}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +129,7 @@ def _timed(dialect: ForceDialect, time: str | None) -> ForceDialect:
     if time is None:
         return dialect
     name = time.strip().lower()
-    return replace(dialect, time=(name, _name_and_unit(name, "brackets")[0]))
+    return replace(dialect, time=(name, name_and_unit(name, "brackets")[0]))
 
 
 def _cut(path: Path, text: str, delimiter: str) -> list[Row]:
@@ -168,7 +155,7 @@ def _in_dialect(
     wanted += [(name,) for name in (*dialect.also, *(dialect.cycles or ()))]
     wanted += [dialect.image] if dialect.image else []
     for at, (line, row) in enumerate(rows[: dialect.preamble + 1]):
-        pairs = [_name_and_unit(cell, dialect.units) for cell in row]
+        pairs = [name_and_unit(cell, dialect.units) for cell in row]
         names = [name for name, _ in pairs]
         full = {*names, *(cell.strip().lower() for cell in row)}
         timed = time is None or time.strip().lower() in full
@@ -191,10 +178,10 @@ def _in_dialect(
 
 def _samples(path: Path, header: list[str], rows: list[Row]) -> list[Row]:
     """The rows that are not empty, each with as many cells as the header, but for empty ones at their ends."""
-    samples, width = [], _filled(header)
-    for line, cells in rows:
-        if not _filled(cells):
-            continue
+    # LabVIEW's last column has a cell where somebody wrote into it.
+    samples, width = [], _filled(header[:-1] if header[-1].lower() == "comment" else header)
+    rows = [row for row in rows if _filled(row[1])]
+    for line, cells in without_last_words(rows, lambda row: row[1][0]):
         if any("\n" in cell for cell in cells):
             begin = line - sum(cell.count("\n") for cell in cells)
             raise DicError(f"{path}:{max(begin, 1)}: a quoted cell does not end in its line: {','.join(cells)[:60]!r}")
@@ -210,14 +197,6 @@ def _samples(path: Path, header: list[str], rows: list[Row]) -> list[Row]:
 def _filled(cells: list[str]) -> int:
     """Number of cells without the empty ones at the end."""
     return max((k for k, cell in enumerate(cells, start=1) if cell.strip()), default=0)
-
-
-def _name_and_unit(cell: str, units: str) -> tuple[str, str]:
-    pattern = {"brackets": _BRACKETS, "suffix": _SUFFIX}.get(units)
-    match = pattern.match(cell.strip()) if pattern else None
-    if units == "brackets" and match is None and (after := _SIGN.match(cell.strip())) and after["unit"] in _UNITS:
-        match = after
-    return (match["name"].strip().lower(), match["unit"].strip()) if match else (cell.strip().lower(), "")
 
 
 def choose_cycle(table: Table, set_name: str | None, cycle: str | None) -> Table:
