@@ -31,6 +31,13 @@ from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
+#: Name of the sum.
+TOTAL = "level"
+#: Every input, in the order of the table.
+INPUTS = (
+    *("zero", "gain", "thickness", "pixel size", SHARE),
+    *("preload", "camera motion", "relaxation", "pairing"),
+)
 #: Inputs of the cross-section and of the lengths. Samples of a field know the errors of the load cell alone.
 BESIDE_SAMPLES = ("thickness", "pixel size", SHARE, "preload", "camera motion")
 
@@ -195,7 +202,7 @@ def table(budget: LevelBudget) -> list[dict]:
         | {"told_by": part.told_by}
         for part in budget.parts
     ]
-    total = {"input": "level", "type": "", "prior": None, "posterior": budget.level, "level": budget.level}
+    total = {"input": TOTAL, "type": "", "prior": None, "posterior": budget.level, "level": budget.level}
     return [*rows, total | {"told_by": ""}]
 
 

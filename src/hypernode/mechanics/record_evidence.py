@@ -13,7 +13,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.optimize import least_squares, nnls
 
-from hypernode.mechanics.record_views import FIT_ITERATIONS, SHIFTS, Record, noise_of, parts_of, times_of, views_of
+from hypernode.mechanics.record_views import (
+    FIT_ITERATIONS,
+    SHIFTS,
+    Record,
+    View,
+    noise_of,
+    parts_of,
+    times_of,
+    views_of,
+)
 
 #: Share of the relaxed stiffness that relaxes: less than the first changes no force by more than a load cell errs.
 SHARES = (0.2, 0.4, 0.8)
@@ -21,6 +30,8 @@ SHARES = (0.2, 0.4, 0.8)
 SHIFT_SPREAD = 1.5
 #: Standard deviation of the share that relaxes in one time, where all of them are free.
 FREE_SHARE = 0.4
+#: Distance from its bound at which a descent begins.
+_INSIDE = 1e-6
 #: Share of the largest factor of a curve from which it counts as one of the sheet's.
 _COUNTS = 1e-4
 
@@ -91,40 +102,60 @@ def _spectra(count: int) -> tuple[Float[np.ndarray, "explanation time"], Float[n
     return np.array([np.zeros(count), *spectra]), np.array([0.0, *(-np.log(len(spectra)) for _ in spectra)])
 
 
-def free_spectrum(records: Sequence[Record], begin: Explanations):
-    """The most probable relaxing explanation once every time has a share of its own.
+class Spectrum(NamedTuple):
+    """A relaxing explanation in which every time has a share of its own.
 
-    One record hardly tells a share. Records of several paces do, and finer than explanations differ.
-
-    Returns:
-        (recorded over elastic force of every record; its derivatives by directions of unit standard deviation,
-        (direction, record, sample)).
+    Attributes:
+        likelihood: logarithm of the probability of the records, of the shifts of their clocks, and of the shares.
+        factor: recorded over elastic force, of every record.
+        directions: derivatives of the factor by independent directions of the shares of unit standard deviation.
     """
-    best = np.flatnonzero(begin.relaxes)[np.argmax(begin.weights)]
-    views = views_of(records, [noise_of(record) for record in records], begin.shifts[best], begin.times)
+
+    likelihood: float
+    factor: Float[np.ndarray, "record sample"]
+    directions: Float[np.ndarray, "direction record sample"]
+
+
+def spectra_of(records: Sequence[Record], begin: Explanations) -> list[Spectrum]:
+    """Under every shift of the clocks, the most probable explanation once every time has a share of its own.
+
+    One record hardly tells a share. Records of several paces tell it finer than explanations differ.
+
+    Args:
+        records: of one sheet.
+        begin: :func:`explanations_of` them.
+    """
+    noises, found = [noise_of(record) for record in records], []
+    likelihood, intervals = (begin.likelihood + begin.prior), [record.interval for record in records]
+    for shifts in np.unique(begin.shifts, axis=0):
+        own = np.flatnonzero((begin.shifts == shifts).all(axis=1) & begin.relaxes)
+        views = views_of(records, noises, shifts, begin.times)
+        spectrum = _spectrum(views, begin.spectrum[own[np.argmax(likelihood[own])]])
+        clock = -0.5 * np.sum((shifts / intervals / SHIFT_SPREAD) ** 2)
+        found.append(spectrum._replace(likelihood=spectrum.likelihood + clock))
+    return found
+
+
+def _spectrum(views: list[View], first: Float[np.ndarray, " time"]) -> Spectrum:
+    """That of records under one shift of each clock, from a first one on."""
     parts, target = parts_of(views)
-    curves, first = parts.shape[2], begin.spectrum[best]
+    curves, unit = parts.shape[2], np.eye(len(first))
+    prior = np.concatenate([np.zeros((len(first), curves)), unit / FREE_SHARE], axis=1)
 
     def missed(x):
-        curve, spectrum = x[:curves], x[curves:]
-        model = (parts[0] + np.tensordot(spectrum, parts[1:], 1)) @ curve
-        return np.concatenate([model - target, spectrum / FREE_SHARE])
+        model = (parts[0] + np.tensordot(x[curves:], parts[1:], 1)) @ x[:curves]
+        return np.concatenate([model - target, prior @ x])
 
     def slope(x):
-        curve, spectrum = x[:curves], x[curves:]
-        by_curve, by_spectrum = parts[0] + np.tensordot(spectrum, parts[1:], 1), (parts[1:] @ curve).T
-        prior = np.concatenate([np.zeros((len(first), curves)), np.eye(len(first)) / FREE_SHARE], axis=1)
-        return np.concatenate([np.concatenate([by_curve, by_spectrum], axis=1), prior])
+        by_curve = parts[0] + np.tensordot(x[curves:], parts[1:], 1)
+        return np.concatenate([np.concatenate([by_curve, (parts[1:] @ x[:curves]).T], axis=1), prior])
 
-    curve, _ = nnls(parts[0] + np.tensordot(first, parts[1:], 1), target, maxiter=FIT_ITERATIONS)
-    start = np.concatenate([curve, first])
-    x = least_squares(missed, start + 1e-6, slope, bounds=(0.0, np.inf)).x
-    curve, spectrum = x[:curves], x[curves:]
+    curve = nnls(parts[0] + np.tensordot(first, parts[1:], 1), target, maxiter=FIT_ITERATIONS)[0]
+    best = least_squares(missed, np.concatenate([curve, first]) + _INSIDE, slope, bounds=(0.0, np.inf))
+    curve, spectrum = best.x[:curves], best.x[curves:]
     free = np.concatenate([curve > _COUNTS * curve.max(), np.ones(len(first), bool)])
-    covariance = np.zeros((len(x), len(x)))
-    J = slope(x)[:, free]
-    covariance[np.ix_(free, free)] = np.linalg.pinv(J.T @ J, hermitian=True)
-    values, vectors = np.linalg.eigh(covariance[curves:, curves:])
-    by_share = np.stack([[view.factor(curve, unit) - 1.0 for view in views] for unit in np.eye(len(first))])
-    directions = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
-    return np.stack([view.factor(curve, spectrum) for view in views]), np.tensordot(directions, by_share, 1)
+    J = slope(best.x)[:, free]
+    variances, ways = np.linalg.eigh(np.linalg.pinv(J.T @ J, hermitian=True)[-len(first) :, -len(first) :])
+    by_share = np.stack([[view.factor(curve, each) - 1.0 for view in views] for each in unit])
+    directions = np.tensordot(np.sqrt(np.maximum(variances, 0.0))[:, None] * ways.T, by_share, 1)
+    return Spectrum(-best.cost, np.stack([view.factor(curve, spectrum) for view in views]), directions)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from hypernode.mechanics.record_evidence import explanations_of, free_spectrum
+from hypernode.mechanics.record_evidence import explanations_of, spectra_of
 from hypernode.mechanics.record_views import Record
 
 #: Samples of the record that the fit sees, at equal times.
@@ -141,10 +141,13 @@ def fit_relaxation(courses: Sequence[Course]) -> list[Relaxation]:
     relaxing, weights = found.factor[found.relaxes], found.weights
     relaxes = found.odds > EVIDENCE
     factors, directions = np.ones(relaxing.shape[1:]), np.zeros((0, *relaxing.shape[1:]))
+    if relaxes and len(records) > 1:
+        spectra = spectra_of(records, found)
+        likelihood = np.array([each.likelihood for each in spectra])
+        relaxing, weights = np.stack([each.factor for each in spectra]), np.exp(likelihood - likelihood.max())
+        weights, directions = weights / weights.sum(), spectra[np.argmax(weights)].directions
     if relaxes:
         factors = relaxing[np.argmax(weights)]
-    if relaxes and len(records) > 1:
-        factors, directions = free_spectrum(records, found)
 
     def of_steps(factors) -> Float[np.ndarray, " step"]:
         each = zip(courses, records, factors, strict=True)
