@@ -2,9 +2,7 @@
 
 import numpy as np
 from jaxtyping import Float
-
-#: Standard deviation of a coefficient of which nothing is known, where observations are relative to their size.
-_UNKNOWN = 10.0
+from scipy.linalg import null_space
 
 
 def posterior_uncertainty(
@@ -15,15 +13,16 @@ def posterior_uncertainty(
 ) -> float:
     """Standard uncertainty of an input after observations: that of the normal distribution under a condition,
 
-        u^2 = p^2 - p^4 s^T S^-1 s,   S = p^2 s s^T + C + F F^T w^2.
+        u^2 = p^2 (1 - t^T (t t^T + N^T C N)^-1 t),   t = p N^T s,   N^T F = 0.
 
     Args:
         prior: its standard uncertainty p before.
-        sensitivity: derivatives s of the observations, relative to their size.
+        sensitivity: derivatives s of the observations by it.
         covariance: C of their errors by anything else.
-        free: derivatives F by coefficients of which nothing is known: w is large.
+        free: derivatives F by coefficients of which nothing is known: what these change tells nothing.
     """
-    s = prior * sensitivity
-    total = np.outer(s, s) + covariance + _UNKNOWN**2 * free @ free.T
-    told = s @ np.linalg.solve(total, s) if prior > 0.0 else 0.0
-    return prior * float(np.sqrt(max(1.0 - told, 0.0)))
+    rest = null_space(free.T)
+    if not rest.shape[1]:
+        return prior
+    told = prior * rest.T @ sensitivity
+    return prior * float(np.sqrt(1.0 - told @ np.linalg.solve(np.outer(told, told) + rest.T @ covariance @ rest, told)))
