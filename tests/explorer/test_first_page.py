@@ -124,7 +124,11 @@ def test_where_a_law_fails_only_cells_that_the_criterion_counts_are_drawn_and_no
 
 def test_the_budget_of_a_level_stands_on_the_page_with_a_star_where_the_test_told():
     mesh = square_mesh(2)
-    parts = Part("zero", 0.08, 0.02, 0.03, "forces"), Part.stated("thickness", 0.04), Part.found(SHARE, 0.0, "field")
+    parts = (
+        Part("zero", 0.08, 0.02, 0.03, told_by="forces"),
+        Part.stated("thickness", 0.04),
+        Part.found(SHARE, 0.0, "field"),
+    )
     told = evaluation(mesh).assign_attrs(level_budget=json.dumps(table(LevelBudget(parts, 1.0))))
     text = first_page([told, evaluation(mesh, method="none")], {"abc123": 2}, SETTINGS)
     rows = [row for row in Parsed(text[text.index('id="budget"') - 20 :]).rows if row[0] in ("run", "half/m")]

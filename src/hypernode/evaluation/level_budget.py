@@ -5,7 +5,7 @@ standard uncertainty and a sensitivity. Their products are summed in quadrature.
 configuration, those of type A are found from the test. The zero of a load cell is a prior that forces can tell.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -64,6 +64,7 @@ class Part:
     prior: float | None
     posterior: float
     level: float
+    _: KW_ONLY
     told_by: str = ""
 
     @property
@@ -79,7 +80,7 @@ class Part:
     @classmethod
     def found(cls, name: str, posterior: float, told_by: str) -> "Part":
         """An input that is found from the test."""
-        return cls(name, None, posterior, posterior, told_by if posterior > 0.0 else "")
+        return cls(name, None, posterior, posterior, told_by=told_by if posterior > 0.0 else "")
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     strain = np.linalg.norm(measurement["H"].values, axis=(1, 2))
     camera_level = float(weights @ np.divide(camera, strain, out=np.zeros_like(strain), where=strain > 0.0))
     parts = [
-        Part("zero", zero, known, float(weights @ by_zero) * known, "forces" if known < TOLD * zero else ""),
+        Part("zero", zero, known, float(weights @ by_zero) * known, told_by="forces" if known < TOLD * zero else ""),
         Part.stated("gain", gain),
         Part.stated("thickness", thickness),
         Part.stated("pixel size", pixel, pixel_level),
