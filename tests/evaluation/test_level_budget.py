@@ -14,10 +14,10 @@ from hypernode.evaluation.level_budget import (
     judge_level,
     level_beside_samples,
     level_budget,
-    share_uncertainty,
     table,
 )
 from hypernode.evaluation.thresholds import SETTINGS
+from hypernode.evaluation.unseen_share import share_uncertainty
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.solver import EquilibriumSolver
@@ -166,7 +166,65 @@ def test_parts_add_by_squares_and_a_zero_weighs_more_in_small_forces():
         }
     )
     assert budget.level == pytest.approx(np.sqrt(0.12**2 + 0.01**2 + 0.02**2 + 0.03**2))
-    assert table(budget)[-1] == {"input": "level", "prior": None, "level": budget.level}
+    total = {"input": "level", "type": "", "prior": None, "posterior": budget.level, "level": budget.level}
+    assert table(budget)[-1] == {**total, "told_by": ""}
+
+
+def pulled(strains, **attributes):
+    """A test of one load case with so many steps, whose force is in proportion to the strain."""
+    strains = np.asarray(strains)
+    force = np.full((len(strains), 4, 2), np.nan)
+    force[:, 2, 1], force[:, 3, 1] = -strains, strains
+    record, one = measured(1.0, **attributes), np.zeros(len(strains))
+    held = np.repeat(record["edge_constrained"].values[:1], len(strains), axis=0)
+    return record.drop_dims("load_step").assign(
+        load_case=("load_step", one.astype(int)),
+        H=(("load_step", "i", "J"), strains[:, None, None] * np.diag([0.0, 1.0])),
+        edge_force=(("load_step", "edge", "i"), force),
+        relaxation=("load_step", one + 1.0),
+        edge_constrained=(("load_step", "edge", "i"), held),
+        force_relaxation_uncertainty=("load_step", one),
+    )
+
+
+def budget_of(strains, **attributes):
+    stress = np.tile(np.diag([0.0, 1.0]), (len(strains), CELLS**2, 1, 1))
+    return level_budget(pulled(strains, **attributes), stress)
+
+
+def test_forces_tell_of_a_zero_and_of_nothing_that_all_of_them_share():
+    steps = np.linspace(0.04, 0.2, 5)
+    budget = budget_of(steps)
+    zero = budget.of("zero")
+    assert zero.prior == 0.08 and zero.posterior < 0.5 * zero.prior and zero.told_by == "forces"
+    for name in ("gain", "thickness", "pixel size"):
+        part = budget.of(name)
+        assert part.posterior == part.prior and not part.told_by
+    assert "The test tells of zero." in judge_level(budget, SETTINGS.level).sentence
+    # Three forces may bend in any way: they tell nothing. A zero that is known as well as a force is not told either.
+    for alike in (budget_of(steps[:3]), budget_of(steps, force_offset_uncertainty=0.001)):
+        zero = alike.of("zero")
+        assert zero.posterior == pytest.approx(zero.prior, rel=0.01) and not zero.told_by
+
+
+def test_the_posterior_of_a_zero_is_how_far_its_best_estimate_is_off():
+    """Of sheets with any level and bend, by the estimate of least variance."""
+    strains, random = np.linspace(0.04, 0.2, 5), np.random.default_rng(0)
+    by_zero, free = strains[-1] / strains, (strains[:, None] / strains[-1]) ** (0, 1, 2)
+    zero = 0.08 * random.normal(size=4000)
+    coefficients, noise = random.normal(size=(4000, 3)), 0.01 * random.normal(size=(4000, 5))
+    seen = zero[:, None] * by_zero + coefficients @ free.T + noise
+    rows = np.vstack([np.column_stack([by_zero, free]) / 0.01, [1.0 / 0.08, 0.0, 0.0, 0.0]])
+    found = np.linalg.lstsq(rows, np.vstack([seen.T / 0.01, np.zeros(4000)]), rcond=None)[0][0]
+    assert budget_of(strains).of("zero").posterior == pytest.approx(np.std(found - zero), rel=0.05)
+
+
+def test_what_is_found_from_the_test_alone_has_no_prior():
+    rows = {row["input"]: row for row in table(budget_of([0.05, 0.1], preload=0.01))}
+    assert rows["preload"] == {
+        **{"input": "preload", "type": "A", "prior": None, "posterior": 0.01, "level": 0.01, "told_by": "record"}
+    }
+    assert rows["thickness"]["type"] == "B" and rows["thickness"]["posterior"] == rows["thickness"]["prior"] == 0.02
 
 
 def test_steps_whose_force_is_open_tell_less_of_the_level():

@@ -107,7 +107,7 @@ def test_a_zero_and_a_lag_are_alike_where_the_force_grows_evenly():
 
 
 def test_the_largest_part_of_the_budget_is_the_first_suspect_of_the_level():
-    budget = LevelBudget((Part("zero", 0.01, 0.02), Part(SHARE, 0.1, 0.1)), 0.6)
+    budget = LevelBudget((Part.stated("zero", 0.01, 0.02), Part.found(SHARE, 0.1, "field")), 0.6)
     assert max(level_suspects(budget), key=lambda each: each.weight).name == SHARE
 
 
@@ -121,7 +121,7 @@ def test_a_stiffness_along_a_plane_may_be_a_thickness_and_an_even_one_is_not():
 
 def evidence(**changed):
     pattern = pattern_of(MESH, residual(growing(2, SMOOTH), 0), DEFORMATION, NONE)
-    budget = LevelBudget((Part("zero", 0.1, 0.1),), 1.0)
+    budget = LevelBudget((Part.stated("zero", 0.1),), 1.0)
     plain = {"pattern": pattern, "channels": (), "budget": budget, "too_noisy": 1.4, "predicted": None, "slope": None}
     return Evidence(**(plain | changed))
 

@@ -1,6 +1,7 @@
 """The page that results are entered by: every run with its verdict, every link leads somewhere, nothing is loaded."""
 
 import gc
+import json
 import re
 import weakref
 from html.parser import HTMLParser
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from hypernode.config.loading import load_config
+from hypernode.evaluation.level_budget import INPUTS, SHARE, LevelBudget, Part, table
 from hypernode.explorer.facts import FACTS
 from hypernode.explorer.first_page import TOPICS, first_page
 from hypernode.pipeline.shown import figure_runs, first_page_settings, rules_by_topic
@@ -118,6 +120,23 @@ def test_where_a_law_fails_only_cells_that_the_criterion_counts_are_drawn_and_no
     assert "half/doubtful: 25 % of the sheet" in text and text.count("<figure>") == 1
     gc.collect()
     assert not any(each() for each in alive)
+
+
+def test_the_budget_of_a_level_stands_on_the_page_with_a_star_where_the_test_told():
+    mesh = square_mesh(2)
+    parts = (
+        Part("zero", 0.08, 0.02, 0.03, told_by="forces"),
+        Part.stated("thickness", 0.04),
+        Part.found(SHARE, 0.0, "field"),
+    )
+    told = evaluation(mesh).assign_attrs(level_budget=json.dumps(table(LevelBudget(parts, 1.0))))
+    text = first_page([told, evaluation(mesh, method="none")], {"abc123": 2}, SETTINGS)
+    rows = [row for row in Parsed(text[text.index('id="budget"') - 20 :]).rows if row[0] in ("run", "half/m")]
+    assert dict(zip(*rows[:2], strict=True)) == {
+        **dict.fromkeys(INPUTS, ""),
+        **{"run": "half/m", "level": "5 %", "zero": "3 % *", "thickness": "4 %", SHARE: "0 %"},
+    }
+    assert 'id="budget"' not in first_page([evaluation(mesh)], {"abc123": 1}, SETTINGS)
 
 
 def test_rules_of_the_workflow_all_have_a_topic_and_the_configuration_all_its_figures():

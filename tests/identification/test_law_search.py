@@ -1,5 +1,6 @@
 """Terms of a law join and leave by the same evidence; what a candidate knows of its edges serves where it holds."""
 
+import copy
 import dataclasses
 
 import numpy as np
@@ -36,12 +37,29 @@ def neo_hookean():
     return one_material()
 
 
-def test_a_term_that_explains_nothing_leaves(neo_hookean):
+def with_law(trials, one, term):
+    """The same material with another law."""
+    problem = trials.problem([term])
+    begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
+    field = one.fit.field.with_law(translated(one.fit.field.materials, one.problem, problem, begin))
+    return trials.descend(f"with {term}", one, problem, field, one.u, STEPS, NEAR)
+
+
+@pytest.mark.parametrize("term", ["I2", "J"])
+def test_a_term_that_explains_nothing_leaves_and_so_does_a_volume_that_changes(neo_hookean, term):
     trials, one = neo_hookean
-    problem = trials.with_terms(one, ("I2",))
-    field = one.fit.field.with_law(translated(one.fit.field.materials, one.problem, problem))
-    with_term = trials.descend("with I2", one, problem, field, one.u, STEPS, NEAR)
-    assert LawSearch(trials, STEPS, False).plainer(with_term).terms == ()
+    assert LawSearch(trials, STEPS, False).plainer(with_law(trials, one, term)).terms == ()
+
+
+def test_a_volume_that_changes_stays_where_the_test_or_the_configuration_asks_for_it(neo_hookean):
+    trials, one = one_material(terms=("J",), values={"log1p_J_area": 0.6, "log1p_J_volume": 0.2})
+    kept = with_law(trials, one, "J")
+    assert LawSearch(trials, STEPS, False).plainer(kept) is kept
+    trials, one = neo_hookean
+    kept = with_law(trials, one, "J")
+    asked = copy.copy(trials)
+    asked.settings = SETTINGS.model_copy(update={"terms": ["J"]})
+    assert LawSearch(asked, STEPS, False).plainer(kept) is kept
 
 
 def test_a_term_that_the_test_asks_for_joins_and_stays():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hypernode.mechanics.record_evidence import memory
-from hypernode.mechanics.relaxation import EVIDENCE, fit_relaxation
+from hypernode.mechanics.record_views import memory
+from hypernode.mechanics.relaxation import EVIDENCE, Course, fit_relaxation
 
 END, PACE, FRAMES = 24.0, 0.01, 25
 INTERVAL = END / (FRAMES - 1)
@@ -48,12 +48,16 @@ def relaxing(time, elastic, series):
     return force
 
 
+def alone(time, stretch, force, steps, **further):
+    """What one record says."""
+    return fit_relaxation([Course(time=time, stretch=stretch, force=force, steps=steps, **further)])[0]
+
+
 def recorded(force, noise=0.0, lag=0.0, seed=0):
     """What a record with noise that is late by some frames says between rest and the end of the pull."""
     force = force + noise * force.max() * np.random.default_rng(seed).normal(size=force.shape)
     time = CLOCK[(CLOCK >= 0.0) & (CLOCK <= END)]
-    found = fit_relaxation(time, pulled(time), np.interp(time - lag * INTERVAL, CLOCK, force), STEPS, interval=INTERVAL)
-    return found
+    return alone(time, pulled(time), np.interp(time - lag * INTERVAL, CLOCK, force), STEPS, interval=INTERVAL)
 
 
 @pytest.mark.parametrize(
@@ -79,6 +83,53 @@ def test_what_is_elastic_of_a_relaxing_record_is_within_two_spreads(law, series,
     assert np.sqrt(np.mean(error**2)) <= DEVIATIONS * found.spread
 
 
+def two_paces(law, series, *, slower=10.0, preload=0.0, lags=(0, 0), gains=(0.0, 0.0), noise=1e-3):
+    """(courses, recorded over elastic force at their steps) of a test and of one that is so many times slower."""
+    courses, true = [], []
+    for k, (end, lag, gain) in enumerate(zip((END, slower * END), lags, gains, strict=True)):
+        clock = CLOCK * end / END
+        elastic = LAWS[law](pulled(CLOCK, preload))
+        force = relaxing(clock, elastic, series)
+        said = (1.0 + gain) * force + noise * force.max() * np.random.default_rng(k).normal(size=force.shape)
+        time, steps = clock[(CLOCK >= 0.0) & (CLOCK <= END)], STEPS * end / END
+        interval = INTERVAL * end / END
+        late = np.interp(time - lag * interval, clock, said)
+        stretch = pulled(time * END / end)
+        courses.append(Course(time=time, stretch=stretch, force=late, steps=steps, interval=interval, gain=0.01))
+        true.append(np.interp(steps, clock, force) / np.interp(steps, clock, elastic))
+    return courses, np.concatenate(true)
+
+
+@pytest.mark.parametrize(
+    ("law", "slower", "preload", "lags"),
+    [("neo-Hookean", 10.0, 0.0, (0, 0)), ("Yeoh", 10.0, 0.01, (1, -1)), ("Ogden -4", 3.0, 0.02, (0, 3))],
+    ids=lambda value: str(value),
+)
+def test_two_paces_of_an_elastic_sheet_find_no_relaxation_whatever_its_curve_preload_clocks_and_gains(
+    law, slower, preload, lags
+):
+    courses, _ = two_paces(law, [], slower=slower, preload=preload, lags=lags, gains=(0.01, -0.01))
+    for found in fit_relaxation(courses):
+        assert not found.found and found.spread <= OPEN
+
+
+@pytest.mark.parametrize("law", ["neo-Hookean", "Yeoh", "Ogden -4"])
+def test_two_paces_tell_the_level_of_a_sheet_that_relaxes_better_than_one(law):
+    """By 20 per cent of its relaxed stiffness: both tests are of one material, and each alone is of its own."""
+    courses, true = two_paces(law, [(0.2, 4.0)], gains=(0.005, -0.005))
+    both, apart = fit_relaxation(courses), [fit_relaxation([course])[0] for course in courses]
+    true /= true.mean()
+
+    def error_of(found):
+        at = np.concatenate([each.at(course.steps) for each, course in zip(found, courses, strict=True)])
+        return np.sqrt(np.mean((at / true - 1.0) ** 2))
+
+    spread = np.sqrt(np.mean([each.spread**2 for each in both]))
+    assert all(each.found and each.pace == both[0].pace for each in both)
+    assert error_of(both) <= DEVIATIONS * spread
+    assert max(spread, 2.0 * error_of(both)) < error_of(apart)
+
+
 def test_a_relaxing_sheet_is_told_from_its_record():
     """Concave from the first moment on, as no elastic curve is."""
     elastic = LAWS["neo-Hookean"](pulled(CLOCK))
@@ -92,7 +143,7 @@ def test_a_relaxing_sheet_is_told_from_its_record():
 def test_in_a_hold_the_elastic_force_is_what_remains():
     time = np.linspace(0.0, END, 900)
     stretch = 1.0 + 0.02 * np.minimum(time, 8.0)
-    found = fit_relaxation(time, stretch, relaxing(time, LAWS["neo-Hookean"](stretch), [(0.5, 1.5)]), STEPS)
+    found = alone(time, stretch, relaxing(time, LAWS["neo-Hookean"](stretch), [(0.5, 1.5)]), STEPS)
     assert found.odds > EVIDENCE
     assert found.factor[-1] == pytest.approx(1.0, abs=0.01)
     assert np.interp(7.8, found.times, found.factor) > 1.05
@@ -102,7 +153,7 @@ def test_forces_that_are_held_out_change_nothing():
     elastic = LAWS["neo-Hookean"](pulled(CLOCK))
     force, seen = relaxing(CLOCK, elastic, [(0.4, 2.0)]), CLOCK < 12.0
     found = [
-        fit_relaxation(CLOCK, pulled(CLOCK), np.where(seen, force, other), STEPS, interval=INTERVAL, seen=seen)
+        alone(CLOCK, pulled(CLOCK), np.where(seen, force, other), STEPS, interval=INTERVAL, seen=seen)
         for other in (force, 0.0, 5.0 * force)
     ]
     assert found[0].odds > EVIDENCE
@@ -115,13 +166,13 @@ def test_the_factor_is_one_on_average_over_the_steps_however_long_the_record():
     force = relaxing(CLOCK, LAWS["neo-Hookean"](pulled(CLOCK)), [(0.4, 2.0)])
     for until in (700, 1100):
         during = slice(240, until)
-        found = fit_relaxation(CLOCK[during], pulled(CLOCK[during]), force[during], STEPS[:2])
+        found = alone(CLOCK[during], pulled(CLOCK[during]), force[during], STEPS[:2])
         assert found.at(STEPS[:2]).mean() == pytest.approx(1.0)
     assert found.pace > 1.0
 
 
 def test_a_record_without_force_tells_nothing():
-    found = fit_relaxation(CLOCK, pulled(CLOCK), np.zeros(len(CLOCK)), STEPS)
+    found = alone(CLOCK, pulled(CLOCK), np.zeros(len(CLOCK)), STEPS)
     np.testing.assert_array_equal(found.at(STEPS), 1.0)
 
 

@@ -20,10 +20,10 @@ from hypernode.dic.increments import said_without_force
 from hypernode.dic.narrowing import unlike_positions
 from hypernode.dic.noise.steps import StepNoise, noise_of
 from hypernode.dic.reading import read_test
-from hypernode.dic.relaxing import relaxation_of
+from hypernode.dic.relaxing import course_of
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import CONSTRAINED, tensile_axis
-from hypernode.mechanics.relaxation import ELASTIC, Relaxation
+from hypernode.mechanics.relaxation import ELASTIC, Course, Relaxation
 from hypernode.progress import say
 
 
@@ -42,7 +42,8 @@ class LoadCase:
         force: by component (i, J) the force along i across the whole sheet's section normal to J (step,).
         pairing: uncertainty of each force by that of the frame to which it belongs, over its size (step,).
         preload: mean strain of the first picture that forces were taken for.
-        relaxation: what of the force is a matter of time.
+        course: of the force over the stretch, where it may tell what of it is a matter of time.
+        relaxation: what of the force is a matter of time, once the sheet's tests are judged.
         camera_angle: by which the camera was turned against the reference, and which is taken out [rad] (step,).
         noise: of the displacements, in mm.
         files: every file that was read.
@@ -60,6 +61,7 @@ class LoadCase:
     force: dict[Component, Float[np.ndarray, " step"]]
     pairing: Float[np.ndarray, " step"]
     preload: float
+    course: Course | None
     relaxation: Relaxation
     camera_angle: Float[np.ndarray, " step"]
     noise: StepNoise
@@ -100,7 +102,7 @@ def import_load_case(specimen: Specimen, test: SpecimenTest, full: Series | None
         force=found.force,
         pairing=found.pairing,
         preload=max(pull.preload for pull in found.pulls.values()),
-        relaxation=relaxation_of(test, series, Series(series.x, series.y, used), found.pulls),
+        course=course_of(test, series, Series(series.x, series.y, used), found.pulls),
         files=tuple(path for path in (found.path, *full.files) if path.is_file()),
         findings=(*case.findings, *strange, *found.findings),
     )
@@ -153,6 +155,7 @@ def _without_force(
         force={},
         pairing=np.zeros(len(numbers)),
         preload=0.0,
+        course=None,
         relaxation=ELASTIC,
         camera_angle=np.array([angles[number] for number in numbers]),
         noise=noise_of(test, series, numbers, mm),

@@ -1,7 +1,7 @@
 """A real sheet and its tests, as the measurement that an identification starts from."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from hypernode.dic.errors import DicError
 from hypernode.dic.forces.level import assumed_force
 from hypernode.dic.load_case import LoadCase, import_load_case
 from hypernode.dic.placing import on_one_grid
+from hypernode.dic.relaxing import relaxations_of
 from hypernode.dic.series import Series
 from hypernode.dic.thickness import thickness_at
 from hypernode.fem.gradient import deformation_gradient
@@ -100,7 +101,10 @@ def import_specimen(specimen: Specimen, hole: Callable | None = None, full: Seri
     Raises:
         DicError: any input that cannot be used, with file and line.
     """
-    return specimen_of(specimen, [import_load_case(specimen, test, full) for test in specimen.all_tests], hole)
+    cases = [import_load_case(specimen, test, full) for test in specimen.all_tests]
+    told = relaxations_of(specimen.all_tests, [case.course for case in cases])
+    cases = [replace(case, relaxation=each) for case, each in zip(cases, told, strict=True)]
+    return specimen_of(specimen, cases, hole)
 
 
 def specimen_of(specimen: Specimen, cases: list[LoadCase], hole: Callable | None = None) -> ImportedSpecimen:

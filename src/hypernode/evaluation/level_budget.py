@@ -1,11 +1,12 @@
 """Uncertainty budget of the level of the stress, as in the GUM (JCGM 100:2008, 8.1).
 
 Displacements determine ratios of stiffness. The level follows from the forces over the cross-section. Every input has a
-standard uncertainty and a sensitivity. Their products are summed in quadrature.
+standard uncertainty and a sensitivity. Their products are summed in quadrature. Inputs of type B have a prior from the
+configuration, those of type A are found from the test. The zero of a load cell is a prior that forces can tell.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -18,21 +19,33 @@ from hypernode.data.measurement import (
     force_gain_uncertainty,
     force_offset_uncertainty,
     force_uncertainty,
-    is_cut_out,
     mesh_of,
     relative_thickness,
     stress_resultants,
 )
-from hypernode.data.seen_share import seen_shares, strips
+from hypernode.data.seen_share import seen_shares
+from hypernode.evaluation.conditioning import posterior_uncertainty
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.thresholds import SETTINGS, Threshold
-from hypernode.fem.mesh import Mesh
+from hypernode.evaluation.unseen_share import unseen_share
 from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
 SHARE = "share of the width"
+#: Name of the sum.
+TOTAL = "level"
+#: Every input, in the order of the table.
+INPUTS = (
+    *("zero", "gain", "thickness", "pixel size", SHARE),
+    *("preload", "camera motion", "relaxation", "pairing"),
+)
 #: Inputs of the cross-section and of the lengths. Samples of a field know the errors of the load cell alone.
 BESIDE_SAMPLES = ("thickness", "pixel size", SHARE, "preload", "camera motion")
+
+#: Posterior over prior below which the test is said to tell of an input: a fifth of the prior variance is gone.
+TOLD = 0.9
+#: Powers of the strain by which the force of any law may bend between load steps, beside the unknown level.
+BENDS = (0, 1, 2)
 
 
 @dataclass(frozen=True)
@@ -41,13 +54,34 @@ class Part:
 
     Attributes:
         name: of the input.
-        prior: its relative standard uncertainty; for the zero of the load cell, over the largest force.
-        level: relative standard uncertainty of the level that it causes.
+        prior: its relative standard uncertainty before the test; for the zero of the load cell, over the largest
+            force. None for what is found from the test alone.
+        posterior: the same after the test.
+        level: relative standard uncertainty of the level that it causes then.
+        told_by: what of the test tells of it: ``forces`` of the load steps, force ``record``, or identified ``field``.
     """
 
     name: str
-    prior: float
+    prior: float | None
+    posterior: float
     level: float
+    _: KW_ONLY
+    told_by: str = ""
+
+    @property
+    def type(self) -> str:
+        """A where it is evaluated from the test alone, B where it has a prior (JCGM 100:2008, 3.3)."""
+        return "A" if self.prior is None else "B"
+
+    @classmethod
+    def stated(cls, name: str, prior: float, level: float | None = None) -> "Part":
+        """An input of which the test tells nothing."""
+        return cls(name, prior, prior, prior if level is None else level)
+
+    @classmethod
+    def found(cls, name: str, posterior: float, told_by: str) -> "Part":
+        """An input that is found from the test."""
+        return cls(name, None, posterior, posterior, told_by=told_by if posterior > 0.0 else "")
 
 
 @dataclass(frozen=True)
@@ -91,9 +125,10 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     of_case = np.array([force[loading.load_case == case].max() for case in loading.load_case])
     weights = _weights(measurement, force)
     zero, gain = force_offset_uncertainty(measurement), force_gain_uncertainty(measurement)
-    zero_level = float(weights @ np.divide(of_case, force, out=np.zeros_like(force), where=force > 0.0)) * zero
+    by_zero = np.divide(of_case, force, out=np.zeros_like(force), where=force > 0.0)
+    known = _zero_after(measurement, loading, by_zero, weights, zero)
     thickness, pixel = (float(measurement.attrs.get(f"{key}_uncertainty", 0.0)) for key in ("thickness", "pixel_size"))
-    share, seen = _share(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
+    share, seen = unseen_share(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
     # Of a part of the sheet the stated width rules. Where all is seen, the section is measured in pixels.
     pixel_level = pixel if seen >= 1.0 else 0.0
     relaxation, pairing = (_open(measurement, name) for name in (RELAXATION_OPEN, PAIRING_OPEN))
@@ -104,14 +139,14 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     strain = np.linalg.norm(measurement["H"].values, axis=(1, 2))
     camera_level = float(weights @ np.divide(camera, strain, out=np.zeros_like(strain), where=strain > 0.0))
     parts = [
-        Part("zero", zero, zero_level),
-        Part("gain", gain, gain),
-        Part("thickness", thickness, thickness),
-        Part("pixel size", pixel, pixel_level),
-        Part(SHARE, share, share),
-        Part("preload", preload, preload),
-        Part("camera motion", camera, camera_level),
-        *(Part(key, value, value) for key, value in open_of.items()),
+        Part("zero", zero, known, float(weights @ by_zero) * known, told_by="forces" if known < TOLD * zero else ""),
+        Part.stated("gain", gain),
+        Part.stated("thickness", thickness),
+        Part.stated("pixel size", pixel, pixel_level),
+        Part.found(SHARE, share, "field"),
+        Part.found("preload", preload, "record"),
+        Part.stated("camera motion", camera, camera_level),
+        *(Part.found(key, value, "record") for key, value in open_of.items()),
     ]
     return LevelBudget(tuple(parts), seen)
 
@@ -138,67 +173,44 @@ def _weights(measurement: xr.Dataset, force: Float[np.ndarray, " step"]) -> Floa
     return weights / max(weights.sum(), np.finfo(float).tiny)
 
 
+def _zero_after(measurement: xr.Dataset, loading: Loading, by_zero, weights, prior: float) -> float:
+    """Uncertainty of the zero once the forces of the load steps are known, root mean square over the load cases.
+
+    A zero counts more the smaller the force. What a law bends between the steps is free, and so is the level. Errors of
+    the other inputs are the same for every step, but for those of the pairing.
+
+    Args:
+        by_zero: relative error of each force by a zero of 1.
+        weights: of the steps.
+        prior: uncertainty of the zero.
+    """
+    strain = np.linalg.norm(measurement["H"].values, axis=(1, 2))
+    single = np.hypot(float(measurement.attrs["force_uncertainty"]), _open(measurement, RELAXATION_OPEN))
+    pairing, variance = _open(measurement, PAIRING_OPEN), 0.0
+    for case in np.unique(loading.load_case):
+        own = np.flatnonzero((loading.load_case == case) & (by_zero > 0.0))
+        if len(own):
+            free = strain[own, None] ** BENDS / strain[own].max() ** BENDS
+            covariance = np.diag(single[own] ** 2) + np.outer(pairing[own], pairing[own])
+            variance += weights[own].sum() * posterior_uncertainty(prior, by_zero[own], covariance, free) ** 2
+    return float(np.sqrt(variance))
+
+
 def _open(measurement: xr.Dataset, name: str) -> Float[np.ndarray, " step"]:
     """What a record leaves open of the force of every step, over the force."""
     return measurement[name].values if name in measurement else np.zeros(measurement.sizes["load_step"])
 
 
-def _share(measurement, mesh: Mesh, loading: Loading, shares, P) -> tuple[float, float]:
-    """(relative uncertainty of the force by what is not seen of the sections, smallest share that is seen)."""
-    found, seen = [0.0], [1.0]
-    if not is_cut_out(measurement):
-        return 0.0, 1.0
-    for case in range(len(shares)):
-        steps = np.flatnonzero(loading.load_case == case)
-        for axis in range(2):
-            along = shares[case, 1 - axis]
-            if along < 1.0 and loading.measured[steps, axis, axis].any():
-                found.append(share_uncertainty(mesh, P[steps[-1], :, axis, axis], axis, along))
-                seen.append(float(along))
-    return max(found), min(seen)
-
-
-def share_uncertainty(mesh: Mesh, normal: Float[np.ndarray, " cell"], axis: int, share: float) -> float:
-    """Relative uncertainty of the force of a section that is measured in part.
-
-    The strip beside the measured points is assumed to be like their rim. Two checks give the error of this assumption.
-    Every section carries the same force, so the scatter over sections is an error. A band within the sheet, as wide as
-    the strip, differs from the band beside it. The errors of both sides are independent.
-
-    Args:
-        normal: normal traction on the sections, times the relative thickness.
-        axis: of that normal.
-        share: measured part of a section.
-    """
-    grid, sizes = _on_sections(mesh, normal, axis)
-    whole = np.nansum(grid * sizes, axis=1)
-    strip, band = strips(float(sizes.sum()), share)
-    ends = np.cumsum(sizes) - 0.5 * sizes
-    from_both = ends, sizes.sum() - ends
-    rims = [np.nanmean(grid[:, near < band], axis=1) for near in from_both]
-    beside = [np.nanmean(grid[:, (near >= band) & (near < 2.0 * band + 1e-9)], axis=1) for near in from_both]
-    force = whole + strip * (rims[0] + rims[1])
-    mean = np.nanmean(force)
-    missed = np.array([rim - next_to for rim, next_to in zip(rims, beside, strict=True)]) / (mean / sizes.sum() * share)
-    scatter = float(np.nanstd(force) / mean)
-    return float(np.hypot(scatter, (1.0 - share) * np.sqrt(0.5 * np.nanmean(missed**2))))
-
-
-def _on_sections(mesh: Mesh, values: Float[np.ndarray, " cell"], axis: int):
-    """(values by section and place along it, NaN in a hole; widths of those places)."""
-    lines = mesh.lines
-    sizes = np.diff(lines[1 - axis])
-    centres = mesh.centres
-    place = [np.searchsorted(lines[k], centres[:, k]) - 1 for k in (axis, 1 - axis)]
-    grid = np.full((len(lines[axis]) - 1, len(sizes)), np.nan)
-    grid[place[0], place[1]] = values
-    return grid, sizes
-
-
 def table(budget: LevelBudget) -> list[dict]:
-    """The budget as rows for a file: input, prior, part of the level. The last row is the total."""
-    rows = [{"input": part.name, "prior": part.prior, "level": part.level} for part in budget.parts]
-    return [*rows, {"input": "level", "prior": None, "level": budget.level}]
+    """The budget as rows for a file; the last one is the total."""
+    rows = [
+        {"input": part.name, "type": part.type}
+        | {key: getattr(part, key) for key in ("prior", "posterior", "level")}
+        | {"told_by": part.told_by}
+        for part in budget.parts
+    ]
+    total = {"input": TOTAL, "type": "", "prior": None, "posterior": budget.level, "level": budget.level}
+    return [*rows, total | {"told_by": ""}]
 
 
 def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
@@ -208,7 +220,10 @@ def judge_level(budget: LevelBudget | None, threshold: Threshold) -> Criterion:
         return not_judged(name, "No force was recorded, so the level is a convention.")
     judged = limited(name, "The level of the stress is known to", budget.level, threshold)
     parts = ", ".join(f"{part.name} {percent(part.level)}" for part in budget.largest)
+    told = ", ".join(part.name for part in budget.parts if part.told_by)
     sentence = f"{judged.sentence} Contributions: {parts or 'none is stated'}."
+    if told:
+        sentence += f" The test tells of {told}."
     if budget.seen < 1.0:
         sentence += (
             f" The points cover {percent(budget.seen)} of the width, and the strip beside them adds "

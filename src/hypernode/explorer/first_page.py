@@ -9,10 +9,11 @@ from importlib.resources import files as package_files
 import numpy as np
 import xarray as xr
 
-from hypernode.evaluation.doubt import ASKED
 from hypernode.evaluation.limits import percent
 from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.explorer.facts import FACTS, fact
+from hypernode.explorer.html_table import html_table
+from hypernode.explorer.uncertainties import budget_row, budget_table, doubt_row, doubt_table
 from hypernode.tables.verdicts import RunVerdict, count
 from hypernode.verdict import Verdict
 
@@ -62,6 +63,7 @@ class _Run:
         name: case and method.
         summary: numbers of its evaluation.
         doubt: row of its doubt by mode, empty where it knows none.
+        budget: row of the parts of its level's uncertainty, empty where the level is a convention.
         refuted: small map of where its law is refuted, empty where it is not.
     """
 
@@ -69,6 +71,7 @@ class _Run:
     verdict: Verdict
     summary: Mapping
     doubt: str
+    budget: str
     refuted: str
 
     @classmethod
@@ -76,8 +79,8 @@ class _Run:
         """That of an opened evaluation, which is not kept."""
         name, verdict = RunVerdict.of(evaluation)
         summary = json.loads(evaluation.attrs["summary"])
-        doubt, refuted = _doubt_row(name, evaluation), _refuted_map(name, evaluation)
-        return cls(name=name, verdict=verdict, summary=summary, doubt=doubt, refuted=refuted)
+        rows = {"doubt": doubt_row(name, evaluation), "budget": budget_row(name, evaluation)}
+        return cls(name=name, verdict=verdict, summary=summary, refuted=_refuted_map(name, evaluation), **rows)
 
 
 def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], settings: Mapping) -> str:
@@ -96,7 +99,8 @@ def first_page(evaluations: Iterable[xr.Dataset], commits: Mapping[str, int], se
     parts = [
         _verdicts(runs, settings["explorers"]),
         _numbers(runs),
-        _doubt(runs),
+        doubt_table([run.doubt for run in runs]),
+        budget_table([run.budget for run in runs]),
         _refuted(runs),
         _cases(settings["cases"]),
         _shown("figures", settings["figures"], FIGURE_FORMATS),
@@ -126,14 +130,6 @@ def _counted(number: int, word: str) -> str:
     return f"{number} {word}" + ("" if number == 1 else "s")
 
 
-def _table(name: str, caption: str, columns: Iterable[str], rows: Iterable[str]) -> str:
-    head = "".join(f'<th scope="col">{escape(column)}</th>' for column in columns)
-    return (
-        f'<div class="wide"><table id="{name}"><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table></div>"
-    )
-
-
 def _link(path: str, words: str) -> str:
     return f'<a href="{escape(path)}">{escape(words)}</a>'
 
@@ -150,7 +146,7 @@ def _verdicts(runs, explorers) -> str:
         for run in runs
     ]
     caption = "How far each run can be believed by its own numbers, the worst first"
-    return "<h2>Verdicts</h2>" + _table("verdicts", caption, ("verdict", "run", "reasons"), rows)
+    return "<h2>Verdicts</h2>" + html_table("verdicts", caption, ("verdict", "run", "reasons"), rows)
 
 
 def _numbers(runs) -> str:
@@ -161,28 +157,7 @@ def _numbers(runs) -> str:
         for run in runs
     ]
     columns = ("run", *(words for words, _ in FACTS.values()))
-    return "<h2>Ten numbers</h2>" + _table("numbers", "Empty where a run does not know it", columns, rows)
-
-
-def _doubt_row(name: str, evaluation: xr.Dataset) -> str:
-    doubt = json.loads(evaluation.attrs.get("doubt", "[]"))
-    of_test = {
-        one["mode"]: percent(one["total"]) + ("" if one["inside"] else " (beyond)")
-        for one in doubt
-        if one["reach"] == 1.0
-    }
-    cells = "".join(f'<td class="number">{escape(of_test.get(mode, ""))}</td>' for mode in ASKED)
-    return f'<tr><th scope="row">{escape(name)}</th>{cells}</tr>' if doubt else ""
-
-
-def _doubt(runs: list[_Run]) -> str:
-    """Doubt in every mode at the stretch of the test, of runs that know it."""
-    rows = sorted(run.doubt for run in runs if run.doubt)
-    if not rows:
-        return ""
-    caption = "Standard uncertainty of the stress by mode, at the stretch of the test; beyond: of what it has not seen"
-    columns = ("run", *(mode.replace("_", " ") for mode in ASKED))
-    return "<h2>Doubt in every deformation</h2>" + _table("doubt", caption, columns, rows)
+    return "<h2>Ten numbers</h2>" + html_table("numbers", "Empty where a run does not know it", columns, rows)
 
 
 def _refuted_map(name: str, evaluation: xr.Dataset) -> str:
@@ -216,7 +191,7 @@ def _cases(cases: Mapping) -> str:
         f'<tr><th scope="row">{escape(name)}</th><td>{escape(what)}</td><td>{escape(", ".join(methods))}</td></tr>'
         for name, (what, methods) in cases.items()
     ]
-    return "<h2>What was run</h2>" + _table("cases", "Cases and their methods", ("case", "sheet", "methods"), rows)
+    return "<h2>What was run</h2>" + html_table("cases", "Cases and their methods", ("case", "sheet", "methods"), rows)
 
 
 def _shown(name: str, entries: Mapping, formats: tuple[str, ...]) -> str:

@@ -63,6 +63,7 @@ def packed_run(files: Mapping[str, xr.Dataset], arrays: Arrays) -> dict:
         "sheets": sheets_of_one_phase(files),
         "trace": _trace(files.get("constrained")),
         "doubt": json.loads(evaluation.attrs.get("doubt", "[]")),
+        "budget": json.loads(evaluation.attrs.get("level_budget", "[]")),
         "facts": [list(each) for each in facts(summary)],
         "start": _start(evaluation, mesh),
     }

@@ -85,11 +85,12 @@ class LawSearch:
     def plainer(self, kept: Candidate) -> Candidate:
         """The law without the terms that paid last, as long as they gain less than evidence asks for.
 
-        On coarse elements a term may pay for what elements miss. What lines would make of another law is not known to
-        first order, so that a descent decides.
+        On coarse elements a term may pay for what elements miss, and so may a volume that changes. What lines would
+        make of another law is not known to first order, so that a descent decides.
         """
         trials = self._trials
-        while kept.terms and kept.terms[-1] != "J":
+        asked = [term for term in trials.settings.terms if term == "J"]
+        while kept.terms and kept.terms[-1] not in asked:
             found = self._of_terms(kept, kept.terms[:-1], f"without {kept.terms[-1]}", move_lines=True)
             if found is None:
                 break

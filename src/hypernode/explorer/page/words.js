@@ -112,6 +112,20 @@ function writeNotes() {
     ]);
     return table(heads, rows, caption);
   });
+  $("budget").innerHTML = everyRun(({ budget }, caption) => {
+    if (!budget.length) return "<p>No force was recorded: the level is a convention.</p>";
+    const heads = ["input", "type", "prior [%]", "posterior [%]", "of the level [%]", "told by"];
+    const share = (value) => (value === null ? "" : shown(100 * value, 2));
+    const rows = budget.map((each) => [
+      each.input,
+      each.type,
+      share(each.prior),
+      share(each.posterior),
+      share(each.level),
+      each.told_by,
+    ]);
+    return table(heads, rows, caption);
+  });
   $("forces").innerHTML = everyRun(({ label, forces, steps, units }, caption) => {
     if (!forces.length) return `<p>${escaped(label)}: no force is known.</p>`;
     const heads = ["step", "force", `measured [${unitText(units.force)}]`, "identified", "missed by [%]"];
