@@ -12,7 +12,7 @@ else
 unexport PYTHONPATH
 endif
 
-.PHONY: all help example resume verdict test lint unit types laws cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
+.PHONY: all help example resume verdict test lint unit types laws held cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
     slurm wheel pythons docs doctest release report bench profile next-test strangers family extremes challenge peers clean
 
 # On a cluster: make PROFILE=profiles/slurm
@@ -84,6 +84,10 @@ types: $(VENV)/dev
 # Laws that take whole identifications.
 laws: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests
+
+# Of these, the accuracy of three small sheets of strangers: two minutes.
+held: $(VENV)/dev
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests/benchmarks/test_small_strangers.py
 
 ## Tests with more in the environment, or of minutes
 
