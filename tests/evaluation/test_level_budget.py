@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from hypernode.data.seen_share import section_weights
+from hypernode.evaluation.conditioning import posterior_uncertainty
 from hypernode.evaluation.equilibrium import nodal_forces
 from hypernode.evaluation.level_budget import (
     SHARE,
@@ -270,3 +271,10 @@ def test_a_verdict_says_what_the_share_costs():
 def test_a_level_that_is_a_convention_has_no_budget():
     assert level_budget(measured(0.6, forces="assumed"), np.zeros((2, CELLS**2, 2, 2))) is None
     assert judge_level(None, SETTINGS.level).level is Level.NOT_JUDGED
+
+
+@pytest.mark.parametrize(("prior", "expected"), [(0.0, 0.0), (0.001, 0.0)])
+def test_forces_without_errors_tell_a_zero_exactly_and_a_known_zero_stays_known(prior, expected):
+    by_zero = np.array([4.0, 2.0, 1.5, 1.2, 1.0])
+    free = np.linspace(0.2, 1.0, 5)[:, None] ** (0, 1, 2)
+    assert posterior_uncertainty(prior, by_zero, np.zeros((5, 5)), free) == pytest.approx(expected, abs=1e-9)

@@ -13,7 +13,7 @@ def posterior_uncertainty(
 ) -> float:
     """Standard uncertainty of an input after observations: that of the normal distribution under a condition,
 
-        u^2 = p^2 (1 - t^T (t t^T + N^T C N)^-1 t),   t = p N^T s,   N^T F = 0.
+        u^2 = p^2 (1 - t^T (t t^T + N^T C N)^+ t),   t = p N^T s,   N^T F = 0.
 
     Args:
         prior: its standard uncertainty p before.
@@ -25,4 +25,6 @@ def posterior_uncertainty(
     if not rest.shape[1]:
         return prior
     told = prior * rest.T @ sensitivity
-    return prior * float(np.sqrt(1.0 - told @ np.linalg.solve(np.outer(told, told) + rest.T @ covariance @ rest, told)))
+    # Observations without errors, or an input that is known, leave directions without variance.
+    inverse = np.linalg.pinv(np.outer(told, told) + rest.T @ covariance @ rest, hermitian=True)
+    return prior * float(np.sqrt(max(1.0 - told @ inverse @ told, 0.0)))
