@@ -151,3 +151,8 @@ def correlation_window(measurement: xr.Dataset) -> tuple[float, str]:
 def window_uncertainty(measurement: xr.Dataset) -> float:
     """Standard deviation of what is seen through the window about the mean over it, over what that mean changes."""
     return float(measurement.attrs.get("window_uncertainty", 0.0))
+
+
+def window_sought(measurement: xr.Dataset) -> bool:
+    """Whether displacements were seen through a window whose side nobody stated."""
+    return correlation_window(measurement)[0] == 0.0 and window_uncertainty(measurement) > 0.0

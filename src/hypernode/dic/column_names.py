@@ -63,7 +63,8 @@ def named_table(lines: Sequence[str]) -> Dialect | None:
     """
     for line in lines[:_LINES]:
         # Names may have blanks where another sign stands between them.
-        for sign in _SIGNS if all(map(lambda sign: line.count(sign) < 3, ",;\t")) else _SIGNS[:-1]:
+        signs = [sign for sign in _SIGNS[:-1] if line.count(sign) >= len("xyuv") - 1]
+        for sign in signs or _SIGNS:
             names = cells_of(line.lstrip("# "), sign)
             if len(names) >= len("xyuv") and (found := _dialect(names, sign)):
                 return found

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
+from hypernode.dic.dialect import NOT_A_NUMBER
 from hypernode.dic.errors import DicError
 
 #: Largest file that is read; a frame of ten million points is far below it.
@@ -13,9 +14,10 @@ MAX_BYTES = 2_000_000_000
 #: Code pages of Japanese, Chinese, Cyrillic and Central European Windows.
 _CODE_PAGES = ("shift_jis", "gb18030", "cp1251", "cp1250")
 #: A comment, or a word of three letters at least: shorter ones are damaged numbers as well.
-_SAID = re.compile(r"[\s\"']*(?:#|//|%|(?P<word>[^\W\d_]{3,}))")
+_SAID = re.compile(r"[\s\"']*(?:#|//|%|[^\W\d_]{3,})")
 #: Words that stand for a number.
-_NUMBERS = re.compile(r"(?i:nan|inf|infinity|null|nil|none|true|false|nicht|non)$")
+_NUMBERS = "|".join(map(re.escape, (*filter(None, NOT_A_NUMBER), "infinity", "inf", "true", "false")))
+_NUMBER = re.compile(rf"[\s\"']*(?:{_NUMBERS})(?![^\W\d_])", re.IGNORECASE)
 #: A row as text, or as cells.
 Row = TypeVar("Row")
 
@@ -82,8 +84,7 @@ def without_last_words(rows: list[Row], first: Callable[[Row], str]) -> list[Row
 
 
 def _is_said(text: str) -> bool:
-    match = _SAID.match(text)
-    return match is not None and not (match["word"] and _NUMBERS.match(match["word"]))
+    return bool(_SAID.match(text) and not _NUMBER.match(text))
 
 
 def refuse_cut_lines(paths: Iterable[Path]) -> None:

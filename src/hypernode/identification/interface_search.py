@@ -8,13 +8,12 @@ all load steps.
 
 import dataclasses
 
-import numpy as np
 import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
-from hypernode.data.measurement import window_uncertainty
+from hypernode.data.measurement import window_sought
 from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
@@ -26,14 +25,12 @@ from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
 from hypernode.identification.settings import Strategy
-from hypernode.identification.trials import NEAR, Trials, largest_and_half
+from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement, largest_and_half
 from hypernode.identification.volume import of_likelier_volume
 from hypernode.progress import say
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
 NO_WINDOW = 0.5
-#: Rows and columns into which a cell is divided for the answer.
-FINER = 2
 #: Distance between points of a line, in sides of cells, where more than noise is left.
 CLOSER = 0.5
 #: How often materials are sought again on top of another law.
@@ -66,9 +63,7 @@ class Search:
 
     def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
         self._trials = Trials(measurement, settings, name, strategy)
-        stated = float(measurement.attrs["correlation_window"]) > 0.0
-        by_points = information_of(measurement) is None
-        self._finds = by_points and not stated and window_uncertainty(measurement) > 0.0
+        self._finds = information_of(measurement) is None and window_sought(measurement)
 
     def end(self) -> InterfaceEstimate | None:
         """The field of few materials; None where a field of cells may explain more."""
@@ -78,14 +73,13 @@ class Search:
     def found(self) -> tuple[Candidate, Candidate] | None:
         """(candidate that few load steps speak for, the same on finer elements); None where cells may explain more."""
         trials = self._trials
-        problem = trials.problem([term for term in trials.settings.terms if term == "J"])
+        problem = trials.plainest()
         self._steps = largest_and_half(problem)
         if len(problem.mesh.cells) > trials.strategy.most_cells_at_once:
             return self._from_coarser_grid()
         check_forces(lambda *terms: trials.problem(terms), trials.settings, trials.name)
-        params = problem.homogeneous.params
-        u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
-        field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
+        lines, u = Lines.of(problem.observations.grid, problem.refinement), homogeneous_displacement(problem)
+        field = Interfaces.homogeneous(lines, problem.homogeneous.params)
         one = trials.descend("one material", None, problem, field, u, self._steps, NEAR)
         if one is None:
             return None
@@ -232,15 +226,13 @@ class Search:
         if of_lines:
             self._finds = self._finds and window > NO_WINDOW
         finds = self._finds and of_lines
-        problem = trials.problem(coarse.terms, FINER)
-        field = coarse.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, coarse.fit.field.lines))
-        u = {k: problem.refinement.interpolation @ each for k, each in coarse.u.items()}
-        move, window = "finer elements", window if finds else None
-        found = trials.descend(move, coarse, problem, field, u, self._steps, NEAR, window, finds)
+        begun, window = trials.on_finer_elements(coarse), window if finds else None
+        found = trials.descend("finer elements", coarse, *begun, self._steps, NEAR, window, finds)
         if found is None:
             return coarse
         if of_lines and found.misses_deformation:
             closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=CLOSER))
-            move, window = "closer points of lines", found.fit.window
-            found = trials.descend(move, found, problem, closer, found.u, self._steps, NEAR, window, finds) or found
+            begun, window = (found.problem, closer, found.u), found.fit.window
+            move = "closer points of lines"
+            found = trials.descend(move, found, *begun, self._steps, NEAR, window, finds) or found
         return found

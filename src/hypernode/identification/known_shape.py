@@ -11,17 +11,14 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import window_uncertainty
+from hypernode.data.measurement import window_sought
 from hypernode.identification.gauss_newton import IdentificationError
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.settings import STRATEGY, Strategy
-from hypernode.identification.trials import FAR, NEAR, Trials, largest_and_half
-
-#: Rows and columns into which a cell is divided for the answer.
-FINER = 2
+from hypernode.identification.trials import FAR, NEAR, Trials, homogeneous_displacement, largest_and_half
 
 
 def of_shape(
@@ -44,22 +41,17 @@ def of_shape(
         IdentificationError: the sheet finds no equilibrium.
     """
     trials = Trials(measurement, settings, name, strategy)
-    problem = trials.problem([term for term in settings.terms if term == "J"])
-    steps, params = largest_and_half(problem), problem.homogeneous.params
-    stated = float(measurement.attrs["correlation_window"]) > 0.0
-    finds = len(distances) > 0 and not stated and window_uncertainty(measurement) > 0.0
-    u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
+    problem = trials.plainest()
+    steps, u = largest_and_half(problem), homogeneous_displacement(problem)
+    finds = len(distances) > 0 and window_sought(measurement)
     lines = dataclasses.replace(Lines.of(problem.observations.grid, problem.refinement), as_one=True)
-    field = Interfaces(lines, np.tile(params, (len(distances) + 1, 1)), distances)
+    field = Interfaces(lines, np.tile(problem.homogeneous.params, (len(distances) + 1, 1)), distances)
     found = trials.descend("phases of the known shape", None, problem, field, u, steps, FAR, None, finds)
     if found is None:
         raise _no_equilibrium(name)
     found = LawSearch(trials, steps, finds).end(found)
-    finer = trials.problem(found.terms, FINER)
-    field = found.fit.field.on(Lines.of(finer.observations.grid, finer.refinement, found.fit.field.lines))
-    u = {k: finer.refinement.interpolation @ each for k, each in found.u.items()}
     window = found.fit.window if finds else None
-    found = trials.descend("finer elements", found, finer, field, u, steps, NEAR, window, finds)
+    found = trials.descend("finer elements", found, *trials.on_finer_elements(found), steps, NEAR, window, finds)
     estimate = None if found is None else answer(trials, found, finds)
     if estimate is None:
         raise _no_equilibrium(name)

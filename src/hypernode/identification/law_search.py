@@ -89,8 +89,7 @@ class LawSearch:
         make of another law is not known to first order, so that a descent decides.
         """
         trials = self._trials
-        asked = [term for term in trials.settings.terms if term == "J"]
-        while kept.terms and kept.terms[-1] not in asked:
+        while kept.terms and not (kept.terms[-1] == "J" and "J" in trials.settings.terms):
             found = self._of_terms(kept, kept.terms[:-1], f"without {kept.terms[-1]}", move_lines=True)
             if found is None:
                 break

@@ -9,7 +9,7 @@ import xarray as xr
 from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.problem import FieldProblem, field_problem, with_law
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import Strategy
@@ -18,6 +18,8 @@ from hypernode.trace import Trace, Trial
 
 #: Steps of a descent at most that begins near its end, and far from it.
 NEAR, FAR = 8, 15
+#: Rows and columns into which a cell is divided for the answer.
+FINER = 2
 
 
 class Trials:
@@ -58,6 +60,16 @@ class Trials:
                 self.measurement, settings, subcells, self.strategy, max(floor, least), at_lines=floor > 0.0
             )
         return self._problems[key]
+
+    def plainest(self) -> FieldProblem:
+        """The test of a sheet of the plainest law: with J where all laws have it."""
+        return self.problem([term for term in self.settings.terms if term == "J"])
+
+    def on_finer_elements(self, candidate: Candidate) -> tuple[FieldProblem, Interfaces, dict[int, np.ndarray]]:
+        """(problem, field, displacement of every load step) of a candidate on divided cells."""
+        problem, before = self.problem(candidate.terms, FINER), candidate.fit.field
+        field = before.on(Lines.of(problem.observations.grid, problem.refinement, before.lines))
+        return problem, field, {k: problem.refinement.interpolation @ u for k, u in candidate.u.items()}
 
     def with_terms(self, candidate: Candidate, terms: tuple[str, ...]) -> FieldProblem:
         """The problem of a candidate with another law; what is homogeneous stays as it was fitted."""
@@ -154,3 +166,9 @@ def largest_and_half(problem: FieldProblem) -> list[int]:
         own = np.flatnonzero(loading.load_case == loading.load_case[largest])
         found |= {largest, int(own[np.argmin(np.abs(loading.t[own] - 0.5 * loading.t[largest]))])}
     return sorted(found)
+
+
+def homogeneous_displacement(problem: FieldProblem) -> dict[int, np.ndarray]:
+    """Displacement of the homogeneous sheet by load step, near equilibrium."""
+    everywhere = np.tile(problem.homogeneous.params, (len(problem.mesh.cells), 1))
+    return dict(enumerate(problem.equilibrium.extension(everywhere)))

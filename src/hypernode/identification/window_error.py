@@ -10,7 +10,7 @@ import xarray as xr
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from hypernode.data.measurement import correlation_window, window_uncertainty
+from hypernode.data.measurement import correlation_window, window_sought, window_uncertainty
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.camera import window_average
 
@@ -50,8 +50,8 @@ def blurred_edges(
         noise: of a displacement.
     """
     side, kernel = correlation_window(measurement)
-    sought = side == 0.0 and window_uncertainty(measurement) > 0.0
-    changed = changed_by_window(grid, u, USUAL_WINDOW * grid_step(grid) if sought else side, kernel)
+    side = USUAL_WINDOW * grid_step(grid) if window_sought(measurement) else side
+    changed = changed_by_window(grid, u, side, kernel)
     return np.where(changed > NEVER * noise[:, None], changed, 0.0)
 
 
