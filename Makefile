@@ -81,9 +81,9 @@ types: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow" --jaxtyping-packages=$(TYPED),beartype.beartype \
 	    tests/mechanics tests/material tests/fem $(CHECKED:%=tests/identification/test_%.py)
 
-# Laws that take whole identifications.
+# Laws that take whole identifications, whole figures or a workflow of their own.
 laws: $(VENV)/dev
-	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests --smoke
 
 # Of these, the accuracy of three small sheets of strangers: two minutes.
 held: $(VENV)/dev
@@ -104,7 +104,7 @@ pyvale-env: .venv-pyvale/run
 al-dic-env: .venv-al-dic/run
 
 smoke: $(VENV)/dev
-	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal tests/workflow --smoke --ignore tests/workflow/test_lint.py
+	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m "not slow" tests/workflow --smoke --ignore tests/workflow/test_lint.py
 
 # The explorer in Chromium, which the system must have: apt-get install chromium.
 browser: $(VENV)/browser

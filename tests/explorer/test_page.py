@@ -47,6 +47,7 @@ def test_the_same_run_is_the_same_page(text):
     assert explorer_page(plain(), plain("other")) == text
 
 
+@pytest.mark.slow
 def test_a_sheet_of_fifty_by_fifty_cells_takes_less_than_two_megabytes():
     text = explorer_page(run_files(50))
     assert len(text.encode()) < 2_000_000 < LARGEST == 5_000_000

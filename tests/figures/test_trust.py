@@ -45,6 +45,7 @@ def pixels(figure, colour) -> np.ndarray:
     return found / picture.shape[:2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", COLOURS)
 @pytest.mark.parametrize("kind", [kind for kind in LAYOUTS if kind not in MEASURED])
 def test_a_run_that_does_not_pass_has_a_line_in_the_colour_of_its_level_across_the_top(kind, level):

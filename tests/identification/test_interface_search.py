@@ -121,6 +121,7 @@ def test_two_materials_that_differ_only_in_the_direction_of_their_fibres_are_tol
         assert abs(np.angle(np.exp(1j * (angles[0] - angles[1])))) < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [{}, {"log1p_I2": 1.0}])
 def test_what_coarse_elements_miss_beside_clamps_is_no_change_of_the_material(law):
     clamped = make_load("clamped_y", [1.05, 1.1, 1.15])

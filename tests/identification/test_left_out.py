@@ -72,6 +72,7 @@ def test_the_prediction_is_that_of_one_newton_step_without_these_data():
     assert predicted.displacement**2 == pytest.approx(np.sum(error[:-forces] ** 2) / expected, rel=3.0 * by_chance)
 
 
+@pytest.mark.slow
 def test_nothing_is_predicted_without_noise_or_of_a_single_step():
     data, _, _ = sheet(5, square, make_load("biaxial", [[1.04, 1.05], [1.09, 1.1]]), terms=())
     assert predict_left_out(identified(data)) is None

@@ -47,6 +47,7 @@ def doubt(found, laws):
     return max(each) / np.linalg.norm(own)
 
 
+@pytest.mark.slow
 def test_fibres_along_one_pull_are_within_two_spreads_equibiaxially():
     fibres = {"fibre_x": -0.6, "fibre_y": 0.0, "logit_dispersion": -3.0}
     data, true = observed(("fibre",), tuple(fibres.items()))

@@ -94,6 +94,7 @@ def test_fibres_are_there_only_if_a_field_with_them_is_the_likelier_one(truth):
     assert np.linalg.norm(P - wanted) < 0.05 * np.linalg.norm(wanted)
 
 
+@pytest.mark.slow
 def test_a_descent_begins_anew_where_no_equilibrium_is_near_that_of_the_terms_before():
     data, _, _ = sheet(5, square, make_load("equibiaxial", [1.1]))
     settings = Constrained(terms=["I1_squared"], iterations=3)
@@ -202,6 +203,7 @@ def test_a_field_that_explains_noise_or_misses_the_test_is_kept_only_where_there
     assert likeliest(field(11.0), sound) is sound
 
 
+@pytest.mark.slow
 def test_forces_are_explained_to_two_and_a_half_uncertainties_or_as_far_as_finite_elements_describe_them():
     data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), noise=1e-3)
     limits = []
@@ -255,6 +257,7 @@ def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_
     assert kept.problem.basis.terms == (("fibre", "I1_squared") if kept.cost < alone.cost else ("fibre",))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("terms", "most"), [(["J"], 100), (["I1_squared"], 30)], ids=["compressible", "many cells"])
 def test_further_terms_are_tried_where_no_field_of_the_stiffness_alone_was_made_before(terms, most):
     """Neither a sheet whose volume may change nor a grid that began from a coarser one has such a field."""

@@ -27,6 +27,7 @@ def without_equilibrium(monkeypatch):
     return name
 
 
+@pytest.mark.slow
 def test_a_field_is_found_with_the_other_terms(without_equilibrium, capsys):
     without_equilibrium("fibre")
     values = {"log1p_I1_squared": 1.0}

@@ -86,6 +86,7 @@ def test_a_network_that_explains_its_test_to_the_noise_is_left_as_it_is():
     assert found.misfits["used"]["before"]["force"] < 1.0 + 2.0 / np.sqrt(8.0)
 
 
+@pytest.mark.slow
 def test_a_network_of_another_material_is_polished_until_steps_it_has_not_seen_agree():
     """Used data are then missed by little but noise, and held-out ones by less than half of what they were."""
     problem, field = problem_of_field(6, "equibiaxial", STRETCHES, 1e-3, moved=MOVED)

@@ -11,6 +11,8 @@ from hypernode.material.basis_file import basis_field
 from hypernode.storage.netcdf import read, units_of, write
 from tests.prediction.test_predict import CELLS, PIXELS, disc, measurement
 
+pytestmark = pytest.mark.slow
+
 #: How far the picture lies beside the shape, in sides of the sheet: half a cell.
 BESIDE = 0.5 / CELLS
 

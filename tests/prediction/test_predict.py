@@ -13,6 +13,7 @@ from hypernode.stages import constrained
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, SYNTHETIC_UNITS, read, write
 from tests.sheets import believed, observed_coarsely
 
+pytestmark = pytest.mark.slow
 NOISE, CELLS, PIXELS = 2e-4, 12, 96
 LOAD = make_load("clamped_y", [1.05, 1.1, 1.15])
 SETTINGS = Constrained(terms=[], layers=True, posterior_samples=8, seed=1)

@@ -16,6 +16,7 @@ TINY = {
 }
 
 
+@pytest.mark.slow
 def test_a_folder_becomes_a_material_with_a_verdict(request, tmp_path, monkeypatch, capfd):
     if not request.config.getoption("--smoke"):
         pytest.skip("whole workflows run with --smoke")

@@ -12,6 +12,7 @@ from hypernode.storage.audit import verify
 from tests.workflow.running import snakemake
 from tests.workflow.test_cluster import CONFIG
 
+pytestmark = pytest.mark.slow
 NOISE = {"sigma": 1e-3, "force": 0.005, "seed": 5}
 
 

@@ -13,7 +13,6 @@ import numpy as np
 import scipy.linalg
 import scipy.stats
 from jaxtyping import Float
-from scipy.optimize import minimize_scalar
 
 #: Bounds of the roughness's weight, over those at which the smoothest and the roughest mode are halved.
 WEIGHTS = 1e-4, 1e4
@@ -27,6 +26,8 @@ PLACED = 4.0
 PEAKS = 4
 #: Places of kinks beyond which no more are looked for.
 MOST = 6
+#: Weights that are looked at together, and how often again between the neighbours of the likeliest: to a thousandth.
+GRID, FINER = 41, 2
 
 
 def roughness(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point point"]:
@@ -168,29 +169,29 @@ def _likeliest(bent, amounts, hinges, kinks: list[int]):
     """
     known = hinges[:, _hinges(kinks)]
 
-    def whitened(log_weight):
-        variance = 1.0 + 1.0 / (np.exp(log_weight) * bent)
-        root = np.sqrt(variance)
-        free = np.linalg.qr(known / root[:, None])[0]
-        rest = amounts / root
-        return variance, root, free, rest - free @ (free.T @ rest)
+    def whitened(log_weights):
+        root = np.sqrt(1.0 + 1.0 / (np.exp(log_weights)[:, None] * bent))
+        free = np.linalg.qr(known / root[:, :, None])[0]
+        rest = (amounts / root)[:, :, None]
+        return root, free, (rest - free @ (free.mT @ rest))[:, :, 0]
 
-    def unlikely(log_weight):
-        variance, _, _, rest = whitened(log_weight)
-        return float(np.sum(np.log(variance)) + rest @ rest)
+    def unlikely(log_weights):
+        root, _, rest = whitened(log_weights)
+        return np.sum(2.0 * np.log(root) + rest**2, axis=1)
 
-    bounds = np.log([WEIGHTS[0] / bent[-1], WEIGHTS[1] / bent[0]])
-    # The likelihood may have more than one peak: the highest on a grid, then its top.
-    grid = np.linspace(*bounds, 41)
-    values = np.array([unlikely(w) for w in grid])
-    best = int(np.argmin(values))
-    around = grid[max(best - 1, 0)], grid[min(best + 1, 40)]
-    log_weight = minimize_scalar(unlikely, bounds=around, method="bounded").x
+    # The likelihood may have more than one peak: the highest on a grid, then its top on finer ones.
+    coarse = around = np.linspace(*np.log([WEIGHTS[0] / bent[-1], WEIGHTS[1] / bent[0]]), GRID)
+    values = at = unlikely(coarse)
+    for _ in range(FINER):
+        best = int(np.argmin(at))
+        around = np.linspace(around[max(best - 1, 0)], around[min(best + 1, GRID - 1)], GRID)
+        at = unlikely(around)
+    best = int(np.argmin(at))
     # A kink allows a larger weight: its gain is over the likeliest without it.
-    coarse = zip(grid[::4], values[::4], strict=True)
-    gains = np.max([values.min() - each + _gains(hinges, *whitened(w)[1:]) for w, each in coarse], axis=0)
+    each = zip(values[::4], *whitened(coarse[::4]), strict=True)
+    gains = np.max([values.min() - value + _gains(hinges, *white) for value, *white in each], axis=0)
     gains[kinks] = 0.0
-    return log_weight, unlikely(log_weight), gains
+    return around[best], float(at[best]), gains
 
 
 def _gains(hinges, root, free, rest):
