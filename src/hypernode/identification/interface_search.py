@@ -14,6 +14,7 @@ from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
 from hypernode.data.measurement import window_sought
+from hypernode.identification.bent_edges import with_bent_edges
 from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
@@ -102,7 +103,7 @@ class Search:
             return None
         kept = parting.merged(self._with_law(kept))
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
-        kept, finer = self._finer_and_plainer(kept)
+        kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
         if len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
