@@ -113,7 +113,9 @@ def test_how_a_descent_ended_is_copied_and_never_guessed():
     field = closed_form(MESH, "neo_hookean", mu=1.0)
     field.attrs |= {"ending": "stagnated", "misfits": json.dumps({"displacement": 1.02, "force": 0.4})}
     assert score_ending(field).summary == {"ending": "stagnated", "displacement_misfit": 1.02, "force_misfit": 0.4}
-    field.attrs["left_out"] = json.dumps({"steps": [4], "observed": 90, "displacement": 1.1, "force": None})
+    field.attrs["left_out"] = json.dumps(
+        {"steps": [4], "observed": 90, "directions": 9.0, "displacement": 1.1, "deformation": 0.004, "force": None}
+    )
     assert score_ending(field).summary["left_out_displacement_misfit"] == 1.1
     assert "left_out_force_misfit" not in score_ending(field).summary
     del field.attrs["ending"]

@@ -30,7 +30,7 @@ def test_a_field_of_the_sheets_own_law_predicts_a_step_by_chance_and_one_of_anot
         data, _, _ = sheet(6, square, LOAD, noise=3e-4, terms=terms, values=values.items())
         predicted[terms] = predict_left_out(identified(data))
     own, other = predicted.values()
-    assert own.steps == [2] and own.displacement < 1.0 + 3.0 / np.sqrt(2.0 * own.observed) and own.force < 3.0
+    assert own.steps == [2] and own.displacement < 1.0 + 3.0 / np.sqrt(2.0 * own.directions) and own.force < 3.0
     assert other.force > 3.0
 
 
@@ -43,8 +43,8 @@ def test_over_many_noises_what_is_expected_of_a_left_out_step_is_what_is_found()
         data["edge_force"] = force * (1.0 + 0.003 * np.random.default_rng(seed).normal(size=force.shape))
         found = predict_left_out(identified(data))
         squares.append([found.displacement**2, found.force**2])
-    # Means over twelve draws of as many displacements and forces as a step has.
-    by_chance = 3.0 * np.sqrt(2.0 / (12 * np.array([found.observed, 2])))
+    # Means over twelve draws of as many directions and forces as a step has.
+    by_chance = 3.0 * np.sqrt(2.0 / (12 * np.array([found.directions, 2])))
     assert np.all(np.abs(np.mean(squares, axis=0) - 1.0) < by_chance + 0.05)
 
 
@@ -66,10 +66,11 @@ def test_the_prediction_is_that_of_one_newton_step_without_these_data():
     wanted = error[-forces:] @ np.linalg.solve(covariance[-forces:, -forces:], error[-forces:])
     assert predicted.force == pytest.approx(np.sqrt(wanted / forces), rel=0.05)
     usual = max(1.0, np.sqrt(np.mean(white[: -len(found.problem.forces)][~left[: -len(found.problem.forces)]] ** 2)))
-    added = covariance[:-forces, :-forces] - np.eye(predicted.observed)
-    expected = usual**2 * predicted.observed + np.trace(added)
-    by_chance = np.sqrt(2.0) * np.linalg.norm(added) / expected
-    assert predicted.displacement**2 == pytest.approx(np.sum(error[:-forces] ** 2) / expected, rel=3.0 * by_chance)
+    of_u, e = covariance[:-forces, :-forces], error[:-forces]
+    rest = np.linalg.solve(of_u, e)
+    directions = np.trace(np.eye(len(e)) - np.linalg.inv(of_u))
+    assert predicted.directions == pytest.approx(directions, rel=0.15)
+    assert predicted.displacement**2 == pytest.approx((e - rest) @ rest / usual**2 / predicted.directions, rel=0.1)
 
 
 @pytest.mark.slow

@@ -140,11 +140,22 @@ def judge_left_out(constrained: xr.Dataset | None, settings: Settings) -> Criter
         return not_judged(name, "No load step can be left out: there is one a load case, or nothing is left to chance.")
     left_out = json.loads(constrained.attrs["left_out"])
     words = "Over noise and the field's spread, {} of the largest load steps, predicted from the others, are missed by"
-    by_chance = settings.chance / math.sqrt(2.0 * left_out["observed"])
-    limit = Threshold(1.0 + max(settings.noise_known, by_chance), settings.misfit_fail)
-    misfit = left_out["displacement"]
-    of_u = limited(name, words.format("displacements"), misfit, limit, "{:.2f}".format)
-    judged = [_as_it_counts(of_u, misfit, constrained, settings)]
+    by_chance = 1.0 + max(settings.noise_known, settings.chance / math.sqrt(2.0 * left_out["directions"]))
+    limit = Threshold(by_chance, settings.misfit_fail * by_chance)
+    of_u = limited(name, words.format("displacements"), left_out["displacement"], limit, "{:.2f}".format)
+    if of_u.level is not Level.PASSED and left_out["deformation"] is not None:
+        of_u = _as_predicted(of_u, left_out["deformation"], settings)
+    judged = [of_u]
     if left_out["force"] is not None:
         judged.append(limited(name, words.format("forces"), left_out["force"], settings.force, "{:.2f}".format))
     return max(judged, key=lambda each: each.level.rank)
+
+
+def _as_predicted(judged: Criterion, deformation: float, settings: Settings) -> Criterion:
+    """The criterion with the level of the deformation that the prediction misses; what is no number has failed."""
+    if judged.value is None:
+        return judged
+    counted = limited(judged.name, "", deformation, settings.predicted).level
+    hardly = ", which hardly changes the stress" if counted is Level.PASSED else ""
+    sentence = f"{judged.sentence} It amounts to {percent(deformation)} of the deformation{hardly}."
+    return dataclasses.replace(judged, level=counted, sentence=sentence)

@@ -219,7 +219,7 @@ def _prediction_suspects(evidence: Evidence) -> list[Suspect]:
     misfit, known = evidence.predicted, evidence.too_noisy
     if misfit is None or misfit <= max(known, 1.0):
         return []
-    words = f"Steps that were left out are missed by {misfit:.2f} of their noise, and fitted ones by {known:.2f}."
+    words = f"Steps that were left out are missed by {misfit:.2f} of what chance makes, and fitted ones by {known:.2f}."
     return [Suspect("law", 1.0 - (max(known, 1.0) / misfit) ** 2, words)]
 
 

@@ -30,6 +30,9 @@ class Settings:
     #: Deformation between neighbouring points, over the largest of a test, that counts for no stress: as much as an
     #: extensometer of class 1 may miss after ISO 9513.
     deformation: float = 0.01
+    #: Deformation of the largest load steps, over the largest of a test, by which a prediction from the others may miss
+    #: it beyond chance: as above, and as much as a stress is then wrong by at least.
+    predicted: Threshold = Threshold(0.01, 0.05)
     #: Share of the sheet in which displacements are not explained: corners of clamps are a fiftieth of it, and what is
     #: not explained in a quarter of the sheet is not a place.
     places: Threshold = Threshold(0.02, 0.25)

@@ -7,33 +7,47 @@ The field is not identified again. The field that some of the data give is near 
 from one Newton step (Giordano et al., A Swiss army infinitesimal jackknife, 2019). With whitened residuals w and their
 Jacobian J, rows k left out, and H the curvature of the objective without them,
 
-    w_k + J_k H^-1 J_k^T w_k   has the covariance   I + J_k H^-1 J_k^T
+    e = w_k + J_k H^-1 J_k^T w_k   has the covariance   C = I + J_k H^-1 J_k^T
 
-by noise and by how uncertain the field is without these data. Of a field of phases the materials follow.
+by noise and by how uncertain the field is without these data. A term that only the largest step tells makes one
+direction of C very uncertain. So e is split: C^-1 e is what is left once the field follows the step, and that is judged
+with all other residuals. The rest is what the field has to change for it. Its square over C is by chance the number of
+directions that the step tells, the trace of J_k (H + J_k^T J_k)^-1 J_k^T (docs/decisions/0195).
+
+Of a field of phases the materials follow.
 """
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.estimate import Estimate
 
+#: Vectors of random signs: they count ten directions to a tenth.
+SIGNS = 16
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class LeftOut:
     """Prediction errors of load steps that were left out.
 
     Attributes:
         steps: their numbers, the largest one of every load case.
         observed: how many displacements they have.
-        displacement: root mean square error of their displacements over what is expected of it, one by chance. If the
-            misfit of the other steps exceeds noise, the same excess is expected here.
-        force: the same of their forces, whose correlation counts; None without forces.
+        directions: how many directions of the field they tell.
+        displacement: what the field has to change to follow their displacements, over what is expected, one by chance.
+            If the misfit of the other steps exceeds noise, the same excess is expected here.
+        deformation: of that change of their displacements, root mean square over the sheet, over the largest of the
+            test; None of pictures.
+        force: misfit of their forces over what is expected, whose correlation counts; None without forces.
     """
 
     steps: list[int]
     observed: int
+    directions: float
     displacement: float
+    deformation: float | None
     force: float | None
 
     def stored(self) -> dict:
@@ -58,7 +72,7 @@ def predict_left_out(found: Estimate) -> LeftOut | None:
     None where a test has one step a load case, or nothing in it is left to chance.
     """
     problem, objective = found.problem, found.objective
-    loading, strategy = problem.observations.loading, problem.strategy
+    loading = problem.observations.loading
     steps = largest_steps(loading.load_case, loading.t)
     if found.linear is None or problem.certain or not steps:
         return None
@@ -69,30 +83,60 @@ def predict_left_out(found: Estimate) -> LeftOut | None:
     is_force = np.arange(len(white)) >= len(displacements)
     observed, resultants = np.flatnonzero(left & ~is_force), np.flatnonzero(left & is_force)
 
-    def curvature(change):
-        predicted = linear.product(change)
-        predicted[left] = 0.0
-        return linear.adjoint(predicted)
-
-    columns = np.zeros((len(white), 2 + len(resultants)))
+    columns = np.zeros((len(white), 1 + len(resultants)))
     columns[left, 0] = white[left]
-    # The trace of what displacements add to their own variance, from one vector of random signs (Hutchinson).
-    columns[observed, 1] = np.random.default_rng(0).choice([-1.0, 1.0], len(observed))
-    columns[resultants, 2 + np.arange(len(resultants))] = 1.0
-    solved = found.answers(curvature).solve_columns(
-        linear.adjoint(columns), strategy.trace_tolerance, strategy.sample_iterations
-    )
-    change = linear.product(solved)
+    columns[resultants, 1 + np.arange(len(resultants))] = 1.0
+    change = _followed(found, left, columns)
     error = white + change[:, 0]
-    added = float(columns[:, 1] @ change[:, 1])
+    # What the displacements of these steps change, and random signs for how much they tell (Hutchinson's trace).
+    columns = np.zeros((len(white), 1 + SIGNS))
+    columns[observed, 0] = error[observed]
+    columns[observed, 1:] = np.random.default_rng(0).choice([-1.0, 1.0], (len(observed), SIGNS))
+    told = _followed(found, resultants, columns)[observed]
+    directions = max(float(np.mean(np.sum(columns[observed, 1:] * told[:, 1:], axis=0))), 1.0)
+    squared = float((error[observed] - told[:, 0]) @ told[:, 0])
     fitted = np.sqrt(np.mean(displacements[~left[: len(displacements)]] ** 2))
     usual = max(problem.observations.scatter, float(fitted))
-    expected = usual**2 * len(observed) + max(added, 0.0)
     force = None
     if len(resultants):
-        covariance = change[resultants, 2:]
+        covariance = change[resultants, 1:]
         covariance = np.eye(len(resultants)) + (covariance + covariance.T) / 2
-        squared = error[resultants] @ np.linalg.solve(covariance, error[resultants])
-        force = float(np.sqrt(squared / len(resultants)))
-    misfit = float(np.sqrt(np.sum(error[observed] ** 2) / expected))
-    return LeftOut(steps, len(observed), misfit, force)
+        force = error[resultants] @ np.linalg.solve(covariance, error[resultants])
+        force = float(np.sqrt(force / len(resultants)))
+    return LeftOut(
+        steps=steps,
+        observed=len(observed),
+        directions=directions,
+        displacement=float(np.sqrt(max(squared, 0.0) / directions)) / usual,
+        deformation=_deformation(found, steps, change[observed, 0]),
+        force=force,
+    )
+
+
+def _followed(found: Estimate, rows, columns):
+    """How residuals answer where some of them pull at the field that all but these rows tell (residual, column)."""
+    linear, strategy = found.linear, found.problem.strategy
+
+    def curvature(change):
+        predicted = linear.product(change)
+        predicted[rows] = 0.0
+        return linear.adjoint(predicted)
+
+    pulled = linear.adjoint(columns)
+    accuracy = strategy.trace_tolerance, strategy.sample_iterations
+    return linear.product(found.answers(curvature).solve_columns(pulled, *accuracy))
+
+
+def _deformation(found: Estimate, steps: list[int], change) -> float | None:
+    """Deformation of a change of the observed displacements of some steps, over the largest of the test."""
+    observations, largest = found.problem.observations, []
+    if not observations.by_points:
+        return None
+    boundaries = [observations.boundaries[step] for step in steps]
+    parts = np.split(change, np.cumsum([len(boundary.observed) for boundary in boundaries])[:-1])
+    for boundary, part in zip(boundaries, parts, strict=True):
+        u = np.zeros(observations.grid.nodes.size)
+        u[boundary.observed] = found.linear.sigma * boundary.relative * part
+        H = deformation_gradient(observations.grid, u.reshape(1, -1, 2))[0] - np.eye(2)
+        largest.append(np.sqrt(np.mean(np.sum(H**2, axis=(1, 2)))))
+    return float(max(largest) / np.linalg.norm(observations.mean_F - np.eye(2)[:, :, None], axis=(0, 1)).max())
