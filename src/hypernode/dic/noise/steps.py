@@ -7,6 +7,7 @@ from jaxtyping import Float, Int
 
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
+from hypernode.dic.noise.between import between_frames
 from hypernode.dic.noise.correlation import independent_factor
 from hypernode.dic.noise.estimate import estimate_noise
 from hypernode.dic.noise.local import local_fit
@@ -14,6 +15,8 @@ from hypernode.dic.noise.shared import FEWEST_STEPS, as_independent, belongs_to_
 from hypernode.dic.series import Series
 from hypernode.progress import say
 
+#: Share of the variance of what differs from step to step, from which it is that of consecutive frames.
+MOST = 0.5
 #: Frames after the reference among which a sheet at rest is looked for.
 FIRST_FRAMES = 10
 
@@ -77,10 +80,7 @@ def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> 
         scatter, level = (_believed(values, every) for values in (estimate.level, estimate.equivalent))
         said = f"load steps share {shared:.1%} of what is rough, which belongs to the sheet; the rest: {estimate} [mm]"
         return StepNoise(scatter, level, said)
-    own, length = local_fit(not_shared(displacement[steps])) if len(steps) >= FEWEST_STEPS else (None, None)
-    if own is not None and not np.isfinite(own).any():
-        # Too many points are lost in one of three steps.
-        own = length = None
+    own, length = _differing(series, displacement[steps], mm)
     estimate = estimate_noise(displacement, length=length)
     scatter, level = (_believed(values, steps) for values in (estimate.level, estimate.equivalent))
     if own is not None:
@@ -93,6 +93,21 @@ def _of_frames(series: Series, numbers: Int[np.ndarray, " step"], mm: float) -> 
     counted = f"{level.min():.2g} to {level.max():.2g} mm"
     said = f"{estimate} [mm]; load steps share {shared:.0%} of it, so that each counts as {counted}"
     return StepNoise(scatter, level, said)
+
+
+def _differing(series: Series, steps: Float[np.ndarray, "step row column 2"], mm: float):
+    """(level of what differs from step to step (step, 2), its lengths); None where frames do not tell.
+
+    It is what a step does not share with those beside it. Differences of all frames in time tell it better, where most
+    of it differs from frame to frame: what an engine does alike in consecutive frames may change from step to step.
+    """
+    own, length = local_fit(not_shared(steps)) if len(steps) >= FEWEST_STEPS else (None, None)
+    # Too many points may be lost in one of three steps.
+    own, length = (own, length) if own is not None and np.isfinite(own).any() else (None, None)
+    between = between_frames([frame.displacement * mm for frame in series.frames])
+    if between is None or (own is not None and (between[0] ** 2 < MOST * np.nanmedian(own, axis=0) ** 2).any()):
+        return own, length
+    return np.tile(between[0], (len(steps), 1)), between[1]
 
 
 def _believed(values: Float[np.ndarray, "frame 2"], steps: list[int]) -> Float[np.ndarray, "step 2"]:
