@@ -56,7 +56,10 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     if not named and dialect.unit:
         named = {"all": dialect.unit}
     if not named and dialect.content == "arrays":
-        raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
+        raise DicError(
+            f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel with "
+            "--pixel-size; metres are pixels of 1000 mm"
+        )
     if not named:
         raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
     unknown = sorted(name for name in named.values() if name.lower() not in LENGTHS)

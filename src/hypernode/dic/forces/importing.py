@@ -21,6 +21,7 @@ from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
 from hypernode.dic.increments import refuse_where_reached
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -211,9 +212,19 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: 
     reached = pull.reached(numbers[seen])
     forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)
     findings = check_rise(course[seen][reached], forces)
+    findings += _other_loadings(pull) if findings else []
     findings += check_units(pull.time, pull.force) or check_jumps(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
     return findings + (check_rest(forces, explained) if reached[0] else [])
+
+
+def _other_loadings(pull: PullRecord) -> list[Finding]:
+    """When a record pulls more than once: its frames may be of another time than they are taken for."""
+    found = loadings(pull.force)
+    if pull.image is not None or len(found) < 2:
+        return []
+    begins = ", ".join(f"{pull.time[each.start]:.3g}" for each in found[:5]) + (", ..." if len(found) > 5 else "")
+    return [Finding(f"the record pulls {len(found)} times, from {begins} s on", False, explains=True)]
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:
