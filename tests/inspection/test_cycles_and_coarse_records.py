@@ -125,3 +125,15 @@ def test_a_key_that_is_wrong_is_not_asked_for_again(tmp_path):
     record(folder, time, STEP * time)
     assert "leave newest_first out" in said(inspect(folder, {**GIVEN, "newest_first": True}))
     assert "may be since the reference already" in said(inspect(folder, {**GIVEN, "increments": True}))
+
+
+@pytest.mark.parametrize(
+    "order", [(0, 1, 2, 3, 4, 5, 7, 6, 8), (0, 1, 5, 6, 7, 8, 2, 3, 4), (0, 2, 1, 3, 4, 5, 6, 7, 8)]
+)
+def test_frames_in_another_order_than_they_were_taken_are_said(tmp_path, order):
+    frames = fields()
+    folder = write(tmp_path / "pull", [frames[k] for k in order])
+    time = np.arange(0.0, 8.05, 0.1)
+    record(folder, time, STEP * time)
+    found = said(inspect(folder, GIVEN))
+    assert "frames may be numbered in another order" in found or "does not follow the stretch" in found
