@@ -137,3 +137,14 @@ def test_frames_in_another_order_than_they_were_taken_are_said(tmp_path, order):
     record(folder, time, STEP * time)
     found = said(inspect(folder, GIVEN))
     assert "frames may be numbered in another order" in found or "does not follow the stretch" in found
+
+
+@pytest.mark.parametrize("odd", [2, 4, 6])
+def test_a_frame_that_is_of_another_picture_is_said(tmp_path, odd):
+    """It shows the sheet as the one before it does, with noise of its own."""
+    frames = fields()
+    frames[odd] = fields(seed=9)[odd - 1]
+    folder = write(tmp_path / "pull", frames)
+    time = np.arange(0.0, 8.05, 0.1)
+    record(folder, time, STEP * time)
+    assert f"the force at frame {odd}, " in said(inspect(folder, GIVEN))

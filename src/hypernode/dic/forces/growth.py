@@ -13,6 +13,8 @@ from hypernode.mechanics.loads import BOTH_AXES, tensile_axis
 #: Share of the whole stretch and of the largest force by which both change between frames that speak of an order:
 #: several times what noise and load cells do.
 _TURNS = 0.05
+#: Fewest frames of which one may be off the curve of the others.
+_OTHERS = 7
 #: Share of the whole stretch over which the end of a curve is looked at.
 _END = 0.25
 #: Growth over that end, over the mean one, below which the force stands. A sheet of rubber at three times its length
@@ -44,7 +46,7 @@ def growth_findings(test: SpecimenTest, pull: PullRecord, series: Series, part: 
     numbers, course, force = numbers[told], course[told], pull.forces(numbers[told])
     bend = check_bend(course, force) if test.load in BOTH_AXES and test.displacement_factor is None else []
     pace = [] if pull.image is not None else check_pace(course, force, numbers)
-    return order + bend + check_growth(course, force) + pace
+    return order + bend + check_growth(course, force) + (pace or check_alone(course, force, numbers))
 
 
 def _order(pull: PullRecord, series: Series, course: Float[np.ndarray, " frame"]) -> list[Finding]:
@@ -133,6 +135,36 @@ def check_growth(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, 
         f"while the stretch goes on from {begin:.4g} to {stretch[-1]:.4g}, the force stays between {low:.4g} and "
         f"{high:.4g} N: a sheet that yields or tears, grips that slip, or frames that were taken earlier than is said; "
         "check frame_rate (--frame-rate) and first_frame_time"
+    )
+    return [Finding(sentence, False)]
+
+
+def check_alone(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"]
+) -> list[Finding]:
+    """No single frame is far off the smooth curve of force [N] and stretch that all others make.
+
+    Args:
+        stretch: of the frames of one loading, the reference first.
+        force: of the same frames.
+        numbers: of the frames, for the message.
+    """
+    if len(stretch) < _OTHERS or np.ptp(stretch) == 0.0:
+        return []
+    at = (stretch - stretch.min()) / np.ptp(stretch)
+    off, scatter = np.zeros(len(at)), np.zeros(len(at))
+    for k in range(1, len(at) - 1):
+        others = np.delete(np.arange(len(at)), k)
+        curve = np.polynomial.Polynomial.fit(at[others], force[others], 3)
+        off[k] = force[k] - curve(at[k])
+        scatter[k] = np.sqrt(np.sum((force[others] - curve(at[others])) ** 2) / (len(others) - 4))
+    k = int(np.argmax(np.abs(off)))
+    if np.abs(off[k]) <= max(_TURNS * np.abs(force).max(), _DEVIATIONS * scatter[k]):
+        return []
+    sentence = (
+        f"the force at frame {numbers[k]}, {force[k]:.4g} N at the stretch {stretch[k]:.4g}, is off the smooth curve "
+        f"of all others by {off[k]:.2g} N: the file may be of another picture, or the force a spike; leave the frame out, "
+        "--set 'frames=[...]', or number it as it was taken"
     )
     return [Finding(sentence, False)]
 
