@@ -148,3 +148,12 @@ def test_a_frame_that_is_of_another_picture_is_said(tmp_path, odd):
     time = np.arange(0.0, 8.05, 0.1)
     record(folder, time, STEP * time)
     assert f"the force at frame {odd}, " in said(inspect(folder, GIVEN))
+
+
+def test_displacements_in_per_cent_ask_for_the_factor_that_answers_them(tmp_path):
+    frames = [u / 0.12 for u in fields()]
+    folder = write(tmp_path / "pull", frames, header="x [mm],y [mm],ux [%],uy [%]")
+    time = np.arange(0.0, 8.05, 0.1)
+    record(folder, time, STEP * time)
+    assert "--set displacement_factor=N" in said(inspect(folder, GIVEN))
+    assert right(inspect(folder, {**GIVEN, "displacement_factor": 0.12}), STEP * np.arange(9))[-1] == 8

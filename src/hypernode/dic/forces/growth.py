@@ -163,8 +163,8 @@ def check_alone(
         return []
     sentence = (
         f"the force at frame {numbers[k]}, {force[k]:.4g} N at the stretch {stretch[k]:.4g}, is off the smooth curve "
-        f"of all others by {off[k]:.2g} N: the file may be of another picture, or the force a spike; leave the frame out, "
-        "--set 'frames=[...]', or number it as it was taken"
+        f"of all others by {off[k]:.2g} N: the file may be of another picture, or the force a spike; leave the frame "
+        "out, --set 'frames=[...]', or number it as it was taken"
     )
     return [Finding(sentence, False)]
 
