@@ -1,5 +1,7 @@
 """Cycles before the test, records of few samples, and words in which people name columns."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -125,6 +127,21 @@ def test_a_key_that_is_wrong_is_not_asked_for_again(tmp_path):
     record(folder, time, STEP * time)
     assert "leave newest_first out" in said(inspect(folder, {**GIVEN, "newest_first": True}))
     assert "may be since the reference already" in said(inspect(folder, {**GIVEN, "increments": True}))
+    found = inspect(folder, {**GIVEN, "increments": True, "crosshead": False})
+    assert "since the reference already, and increments: true wrong" in said(found)
+
+
+@pytest.mark.parametrize(
+    "pace", [lambda t: t, lambda t: t**2 / 8.0, lambda t: 8.0 * np.expm1(t / 3.0) / np.expm1(8 / 3)]
+)
+def test_increments_of_any_pace_are_added_up_without_a_word(tmp_path, pace):
+    strain = STEP * pace(np.arange(9.0))
+    frames = fields(steps=strain[1:])
+    folder = write(tmp_path / "pull", [frames[0], *(b - a for a, b in pairwise(frames))])
+    time = np.arange(0.0, 8.05, 0.1)
+    record(folder, time, STEP * pace(time))
+    for crosshead in (True, False):
+        assert "increments" not in said(inspect(folder, {**GIVEN, "increments": True, "crosshead": crosshead}))
 
 
 @pytest.mark.parametrize(
