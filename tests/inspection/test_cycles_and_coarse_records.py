@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy.io
 
 from hypernode.inspection.folder import inspect
 from tests.dic.pulls import HEADER, STEP, fields, write
@@ -174,3 +175,12 @@ def test_displacements_in_per_cent_ask_for_the_factor_that_answers_them(tmp_path
     record(folder, time, STEP * time)
     assert "--set displacement_factor=N" in said(inspect(folder, GIVEN))
     assert right(inspect(folder, {**GIVEN, "displacement_factor": 0.12}), STEP * np.arange(9))[-1] == 8
+
+
+def test_arrays_of_a_byte_order_that_nothing_reads_are_refused(tmp_path):
+    folder = tmp_path / "pull"
+    folder.mkdir()
+    scipy.io.savemat(folder / "pull.mat", {"X": np.ones((3, 3))}, format="4")
+    written = (folder / "pull.mat").read_bytes()
+    (folder / "pull.mat").write_bytes(np.int32(4000).tobytes() + written[4:])
+    assert "may be corrupt" in said(inspect(folder, GIVEN))
