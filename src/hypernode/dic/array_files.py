@@ -1,5 +1,6 @@
 """Files of arrays, npz, HDF5 or MATLAB, as numeric arrays by their names."""
 
+import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -79,8 +80,11 @@ def _of_matlab(path: Path) -> dict[str, np.ndarray]:
     import scipy.io
 
     try:
-        return _by_names(_of_structures(scipy.io.loadmat(path)))
-    except scipy.io.matlab.MatReadError as error:
+        with warnings.catch_warnings():
+            # What it reads then is no measurement.
+            warnings.filterwarnings("error", message=".*may be corrupt")
+            return _by_names(_of_structures(scipy.io.loadmat(path)))
+    except (scipy.io.matlab.MatReadError, UserWarning) as error:
         raise ValueError(str(error)) from None
 
 

@@ -77,6 +77,12 @@ def _dialect(names: list[str], sign: str) -> Dialect | None:
     columns = {role: _column(plain, role, _PLACES, ()) for role in "xy"} | _moved(plain)
     deformed = False
     ends = {role: _column(plain, axis, _ENDS, ()) for role, axis in zip("uv", "xy", strict=True)}
+    if None in ends.values() and columns["u"] is columns["v"] is None:
+        # X0 beside X is where a point was, and X where it came to.
+        rest = {role: _column(plain, role, ("{}0",), ()) for role in "xy"}
+        if None not in rest.values():
+            columns |= rest
+            ends = {role: _column(plain, axis, ("{}",), ()) for role, axis in zip("uv", "xy", strict=True)}
     positions = columns["u"] is columns["v"] is None not in ends.values()
     columns |= ends if positions else {}
     if columns["x"] is None and columns["y"] is None:

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from hypernode.config.specimen_tests import SpecimenTest
 from hypernode.dic.errors import DicError
 from hypernode.dic.grid import FEWEST_LINES
-from hypernode.dic.loadings import Loading, loadings
+from hypernode.dic.loadings import Loading, every_loading, loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 
@@ -165,9 +165,16 @@ def _each_once(test: SpecimenTest, key: str, chosen: list[int]) -> np.ndarray:
 
 
 def first_loading(series: Series, course: Float[np.ndarray, " frame"]) -> tuple[np.ndarray, np.ndarray]:
-    """(numbers of the frames until the sheet is first unloaded, as far as their course is known; their course)."""
-    numbers = np.array([frame.number for frame in series.frames])
-    seen = np.isfinite(course) & (np.arange(len(course)) <= loadings(course)[0].peak)
+    """(numbers of the reference and of the frames of the first loading, as far as their course is known; their course).
+
+    A smaller loading before it, and its unloading, are another branch of the curve.
+    """
+    numbers, at, first = (
+        np.array([frame.number for frame in series.frames]),
+        np.arange(len(course)),
+        loadings(course)[0],
+    )
+    seen = np.isfinite(course) & ((at == 0) | (at >= first.start)) & (at <= first.peak)
     return numbers[seen], course[seen]
 
 
@@ -186,8 +193,10 @@ def several_loadings(test: SpecimenTest, series: Series, chosen: np.ndarray) -> 
     outside = [int(n) for n in chosen if not any(start < n <= peak for start, peak in spans)]
     if len(found) > 1 and sum(within) == 1 and not outside:
         listed = ", ".join(f"{k} from frame {start} to {peak}" for k, (start, peak) in enumerate(spans, start=1))
+        smaller = len(every_loading(stretch)) - len(found)
+        beside = f", and {smaller} times by less than half as far" if smaller else ""
         return (
-            f"the sheet is pulled {len(found)} times ({listed}): number {within.index(True) + 1} is used; "
+            f"the sheet is pulled {len(found)} times ({listed}){beside}: number {within.index(True) + 1} is used; "
             "loading: N uses another"
         )
     if sum(within) > 1 or (outside and any(within)):

@@ -20,6 +20,9 @@ _RISE = 0.4
 _RISES_ONLY = 1.2
 #: How much longer that way is in the order of the strain than in that of its sum, where the sum is the strain.
 _LONGER = 1.3
+#: Fewest steps that tell totals from increments; how much strain per rise of the force varies from step to step, as a
+#: logarithm, where they are totals; and how many times less strain per force does. A stiffening sheet has a third.
+_STEPS, _APART, _ALIKE = 5, 0.4, 3.0
 
 
 def accumulated(frames: Sequence[Frame]) -> list[Frame]:
@@ -82,6 +85,25 @@ def refuse_increments(folder: str, strain: Float[np.ndarray, " frame"], force: F
             "increments=true), which adds up the displacements of every point. If the sheet is held there instead, "
             "frames are later than is said: check frame_rate (--frame-rate)"
         )
+
+
+def totals_added(strain: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> str:
+    """A sentence where what was added up as increments grows with the force itself, and not with what it grows by.
+
+    Args:
+        strain: mean strain along the force once increments are added up, the reference first.
+        force: of the same frames.
+    """
+    step, rise = np.diff(strain), np.diff(force)
+    if len(step) < _STEPS or not (step > 0.0).all() or not (rise > 0.0).all() or not force[1] > 0.0:
+        return ""
+    by_force, by_rise = (float(np.std(np.log(step / each))) for each in (force[1:], rise))
+    if by_rise < _APART or by_force > by_rise / _ALIKE:
+        return ""
+    return (
+        f"what each frame adds to the strain grows as the force does, from {step[0]:.3g} to {step[-1]:.3g}, while the "
+        "force grows evenly: displacements may be since the reference already, and increments: true wrong"
+    )
 
 
 def _way(course: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> float:

@@ -20,11 +20,19 @@ class Loading:
 
 
 def loadings(course: Float[np.ndarray, " frame"]) -> list[Loading]:
-    """The loadings of a course of mean stretches, in their order; one at least.
+    """The loadings of a course of mean stretches that count as such, in their order; one at least.
 
     Args:
         course: NaN where it is not known.
     """
+    found = every_loading(course)
+    rise = [course[each.peak] - course[each.start] for each in found]
+    largest = np.nanmax(rise) if np.isfinite(rise).any() else 0.0
+    return [each for each, size in zip(found, rise, strict=True) if not size < _COUNTS * largest]
+
+
+def every_loading(course: Float[np.ndarray, " frame"]) -> list[Loading]:
+    """The same with the smaller ones."""
     known = np.flatnonzero(np.isfinite(course))
     if not len(known):
         return [Loading(0, max(len(course) - 1, 0))]
@@ -43,5 +51,4 @@ def loadings(course: Float[np.ndarray, " frame"]) -> list[Loading]:
             rising, high = True, k
     if rising:
         found.append(Loading(int(low), int(high)))
-    rise = [course[each.peak] - course[each.start] for each in found]
-    return [each for each, size in zip(found, rise, strict=True) if size >= _COUNTS * max(rise)]
+    return found

@@ -18,6 +18,8 @@ _ENDLESS = 1e12
 #: Distance of a point of the reference from its neighbour, over that of the points in the median, from which its
 #: position is a mistake: a lost decimal sign makes it ten times as large.
 _STRAY = 10.0
+#: Units of displacements that are shares of a side of the sheet.
+_PER_CENT = ("%", "percent", "per cent", "prozent")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,9 +58,19 @@ def unit_of(path: Path, units: dict[str, str], preamble: list[str], dialect: Dia
     if not named and dialect.unit:
         named = {"all": dialect.unit}
     if not named and dialect.content == "arrays":
-        raise DicError(f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel")
+        raise DicError(
+            f"{path}: no unit is named: say --set 'arrays={{unit: mm}}', or unit: pixel with "
+            "--pixel-size; metres are pixels of 1000 mm"
+        )
     if not named:
         raise DicError(f"{path}: no unit is named: say {dialect.option(unit='mm')}, or unit: pixel")
+    shares = {role for role in "uv" if named.get(role, "").lower() in _PER_CENT}
+    if shares and dialect.displacement_factor == 1.0:
+        raise DicError(
+            f"{path}: displacements in {named[min(shares)]!r}: say what one per cent is in the unit of the positions, "
+            "--set displacement_factor=N, 0.24 of a side of 24 mm"
+        )
+    named = {role: unit for role, unit in named.items() if role not in shares}
     unknown = sorted(name for name in named.values() if name.lower() not in LENGTHS)
     if unknown:
         raise DicError(f"{path}: lengths in {unknown[0]!r}: export positions and displacements in mm or pixels")

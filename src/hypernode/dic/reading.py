@@ -65,7 +65,7 @@ def read_series(folder: Path, numbers=None, dialect: Dialect | None = None, decl
     _tell(folder, dialect, first, reference, implied)
     at_rest = _at_rest(first) if implied else first
     sheet = sheet_of(at_rest, reference, {} if declared.newest_first else found.times, declared.allow_out_of_plane)
-    refuse_deformed_reference(sheet, dialect, lambda: read(available[-1]))
+    refuse_deformed_reference(sheet, dialect, lambda: read(available[-1]), declared.newest_first)
     frames, moved = [sheet.frame(at_rest, reference)], []
     # Frames that nobody wants tell of those after them whether they are copies or increments.
     for number in (each for each in available if reference < each <= max(wanted, default=reference)):

@@ -22,13 +22,16 @@ def is_compared_with_itself(points: Points) -> bool:
     return bool(np.abs(np.nan_to_num(points.displacement)).max() <= _ITSELF * step)
 
 
-def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[], Points]) -> None:
+def refuse_deformed_reference(
+    sheet: Sheet, dialect: Dialect, last: Callable[[], Points], newest_first: bool = False
+) -> None:
     """Nothing, where the first frame shows the sheet at rest.
 
     Args:
         sheet: as the first frame has it.
         dialect: of the files.
         last: reads the last frame.
+        newest_first: whether the numbers are said to run backwards, so that the first frame has the largest one.
 
     Raises:
         DicError: it does not, or holds all frames. The message says which key does, where the last frame is at rest or
@@ -49,6 +52,10 @@ def refuse_deformed_reference(sheet: Sheet, dialect: Dialect, last: Callable[[],
             "sheet is stretched, export its reference, whose displacement is zero, as the first frame"
         )
     end = last()
+    if np.nanmax(_moved(end), initial=0.0) <= _AT_REST * step and newest_first:
+        raise DicError(
+            f"{about}{end.path.name} shows the sheet at rest, so that the numbers run forward: leave newest_first out"
+        )
     if np.nanmax(_moved(end), initial=0.0) <= _AT_REST * step:
         raise DicError(
             f"{about}the last one, {end.path.name}, shows the sheet at rest, so that the numbers run backwards: say "

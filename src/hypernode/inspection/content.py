@@ -53,13 +53,13 @@ def content_of(test: SpecimenTest) -> Content:
 
 
 def columns_beside(found: Found) -> list[str]:
-    """Columns of the first frame beside positions and displacements that are known to tell lost points."""
+    """Columns of the first frame beside positions and displacements; of those known to tell lost points, only these."""
     if found.dialect.content != "frame":
         return []
     layout = layout_of(read_text(next(iter(found.files.values())), HEAD_BYTES).splitlines(), found.dialect)
     taken = {name for role in "xyuvzw" for name in getattr(found.dialect, role)}
     names = [] if layout is None else [bare(name) for name in layout.names if taken.isdisjoint((name, bare(name)))]
-    return list(known_columns(names))
+    return list(known_columns(names)) or [name for name in names if name]
 
 
 def _without_displacements(pictures: tuple[Path, ...]) -> str:

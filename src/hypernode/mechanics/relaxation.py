@@ -159,7 +159,7 @@ def fit_relaxation(courses: Sequence[Course]) -> list[Relaxation]:
     chosen, others = chosen / pace, others / others.mean(axis=1, keepdims=True)
     apart = weights @ (others / chosen - 1.0) ** 2 + sum((each / each.mean() / chosen - 1.0) ** 2 for each in moved)
     odds = found.odds if relaxes else max(found.odds, found.alike)
-    chance = 1.0 / (1.0 + np.exp(-odds))
+    chance = 0.5 * (1.0 + np.tanh(0.5 * odds))
     opened = np.sqrt(chance * apart + (1.0 - chance) * (1.0 / chosen - 1.0) ** 2)
     parts = np.split(opened, np.cumsum([len(course.steps) for course in courses])[:-1])
     return [

@@ -29,6 +29,7 @@ class ForceLimits:
     Attributes:
         least_rise: change of the force over its largest value below which it counts as constant. Sheets pulled from
             rest change by all of it; load cells drift by less than a hundredth.
+        begins: share of the largest force at which it has begun. Noise and drift stay below a hundredth.
         least_correlation: of force and stretch. An exponential stiffening to a hundredfold modulus has 0.6 at equal
             steps, noise of n frames has 0 within 1/sqrt(n).
         force_at_rest: share of the largest force that the reference frame may carry. A preload is a tenth of the test
@@ -55,6 +56,7 @@ class ForceLimits:
     """
 
     least_rise: float = 0.05
+    begins: float = 0.02
     least_correlation: float = 0.3
     force_at_rest: float = 0.1
     zero_at_rest: float = 0.03
@@ -99,7 +101,13 @@ def check_rise(
         return []
     seen = f"from {force[np.argmin(stretch)]:.4g} to {force[np.argmax(stretch)]:.4g} N {course}"
     if correlation > -limits.least_correlation:
-        return [Finding(f"the force does not follow the stretch ({seen}, correlation {correlation:.2f})", True)]
+        return [
+            Finding(
+                f"the force does not follow the stretch ({seen}, correlation {correlation:.2f}): another channel, "
+                "--set force_channel=NAME, or frames of other times, --set first_frame_time=SECONDS or --frame-rate HZ",
+                True,
+            )
+        ]
     return [
         Finding(
             f"the force falls {seen}: the sign of the record or its channel is wrong; export tension, and shear to the "
@@ -121,11 +129,14 @@ def check_reach(
     peak = int(np.argmax(force))
     if not during.size or begin <= time[peak] <= end or np.ptp(during) > limits.least_rise * np.ptp(force):
         return []
+    below = np.flatnonzero(force[:peak] - np.median(during) < limits.begins * (force[peak] - np.median(during)))
+    starts = f" (the force begins at about {time[below[-1]]:.3g} s)" if len(below) else ""
     return [
         Finding(
             f"from {begin:.4g} to {end:.4g} s, when the frames are taken, the force stays between {during.min():.4g} "
             f"and {during.max():.4g} N, and at {time[peak]:.4g} s it is {force[peak]:.4g} N: set first_frame_time to "
-            "the time of the first frame in the clock of the record, and check frame_rate",
+            f"the time of the first frame in the clock of the record, --set first_frame_time=SECONDS{starts}, and "
+            "check frame_rate",
             True,
         )
     ]

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.dic.forces.checks import LIMITS, Finding, ForceLimits
-from hypernode.dic.loadings import loadings
+from hypernode.dic.loadings import Loading, loadings
 
 #: Offsets that are tried, in a frame interval.
 _LAGS = 10
@@ -108,10 +108,12 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
     largest = force[during].max(initial=0.0)
     if during.sum() < 3 or largest <= 0.0:
         return None
-    first = loadings(force)[0].peak
-    if first < 2 or force[first] < 0.5 * largest:
+    loading = _loading_of_frames(frame_time, time, force)
+    if loading is None or force[loading.peak] < 0.5 * largest:
         return None
-    time, force, during = time[: first + 1], force[: first + 1], during[: first + 1]
+    time, force, during = (each[loading.start : loading.peak + 1] for each in (time, force, during))
+    if len(force) < 3 or not during.any():
+        return None
     (low, doubt), (high, _) = (_crossing(time, force, share * largest) for share in _ONSET)
     stretched = stretch - stretch[0]
     first, second = (_crossing(frame_time, stretched, share * stretched.max())[0] for share in _ONSET)
@@ -127,6 +129,12 @@ def _from_onset(frame_time, stretch, time, force, limits) -> ClockOffset | None:
     interval = float(np.median(np.diff(frame_time)))
     uncertainty = np.linalg.norm([interval / np.sqrt(12.0), 0.5 * (low - onset), doubt])
     return ClockOffset(float(offset), float(uncertainty), ONSET)
+
+
+def _loading_of_frames(frame_time, time, force) -> Loading | None:
+    """The first loading of a record whose peak is not before the frames; None where all are before them."""
+    found = [each for each in loadings(force) if time[each.peak] > frame_time[0]]
+    return found[0] if found else None
 
 
 def begins_above(time: Float[np.ndarray, " sample"], force: Float[np.ndarray, " sample"], begin: float) -> bool:

@@ -44,6 +44,11 @@ class ForceDialect:
     delimiters: str = ",;\t"
     cycles: tuple[str, str] | None = None
 
+    def ways(self, axis: str) -> tuple[str, ...]:
+        """Names of the crosshead's column along an axis: its own, and the usual ones where it has one at all."""
+        own = tuple(self.displacement.get(axis, ()))
+        return (*own, *WAY_NAMES) if own and axis == PULL else own
+
 
 #: Names of columns in the languages of usual machines and loggers: time, force, way, and number of a picture.
 TIME_NAMES = (

@@ -8,8 +8,13 @@ from hypernode.dic.forces.checks import Finding
 from hypernode.dic.forces.matching import Component, PullRecord
 from hypernode.dic.frames import first_loading, working_stretch
 from hypernode.dic.series import Series
-from hypernode.mechanics.loads import BOTH_AXES
+from hypernode.mechanics.loads import BOTH_AXES, tensile_axis
 
+#: Share of the whole stretch and of the largest force by which both change between frames that speak of an order:
+#: several times what noise and load cells do.
+_TURNS = 0.05
+#: Fewest frames of which one may be off the curve of the others.
+_OTHERS = 7
 #: Share of the whole stretch over which the end of a curve is looked at.
 _END = 0.25
 #: Growth over that end, over the mean one, below which the force stands. A sheet of rubber at three times its length
@@ -31,14 +36,47 @@ _STEP, _STEPS = 0.25, 6
 
 
 def growth_findings(test: SpecimenTest, pull: PullRecord, series: Series, part: Component) -> list[Finding]:
-    """What is strange about the end of a test's first loading, as far as the record tells its force."""
-    numbers, course = first_loading(series, working_stretch(series, test.load, *part))
+    """What is strange about the order of frames, and about the end of a test's first loading, as the record tells."""
+    whole = working_stretch(series, test.load, *part)
+    numbers, course = first_loading(series, whole)
     told = pull.reached(numbers)
     if not told.any():
         return []
+    order = _order(pull, series, whole) if tensile_axis(test.load) == part[0] else []
     numbers, course, force = numbers[told], course[told], pull.forces(numbers[told])
     bend = check_bend(course, force) if test.load in BOTH_AXES and test.displacement_factor is None else []
-    return bend + check_growth(course, force) + ([] if pull.image is not None else check_pace(course, force, numbers))
+    pace = [] if pull.image is not None else check_pace(course, force, numbers)
+    return order + bend + check_growth(course, force) + (pace or check_alone(course, force, numbers))
+
+
+def _order(pull: PullRecord, series: Series, course: Float[np.ndarray, " frame"]) -> list[Finding]:
+    """What the forces of all frames say of their order."""
+    numbers = np.array([frame.number for frame in series.frames])
+    told = pull.reached(numbers) & np.isfinite(course)
+    return check_order(course[told], pull.forces(numbers[told]), numbers[told]) if told.any() else []
+
+
+def check_order(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"]
+) -> list[Finding]:
+    """The sheet gets no shorter between two frames while its force [N] grows.
+
+    Args:
+        stretch: of all frames, in their order.
+        force: of the same frames.
+        numbers: of the frames, for the message.
+    """
+    shorter = -np.diff(stretch) > _TURNS * np.ptp(stretch)
+    against = np.flatnonzero(shorter & (np.diff(force) > _TURNS * np.abs(force).max(initial=0.0)))
+    if not len(against):
+        return []
+    k = against[0]
+    sentence = (
+        f"from frame {numbers[k]} to {numbers[k + 1]} the stretch falls from {stretch[k]:.4g} to {stretch[k + 1]:.4g} "
+        f"and the force grows from {force[k]:.4g} to {force[k + 1]:.4g} N, as in no sheet: frames may be numbered in "
+        "another order than they were taken, as 1, 10, 2 is; or the clocks differ, --set first_frame_time=SECONDS"
+    )
+    return [Finding(sentence, False)]
 
 
 def check_bend(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"]) -> list[Finding]:
@@ -97,6 +135,36 @@ def check_growth(stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, 
         f"while the stretch goes on from {begin:.4g} to {stretch[-1]:.4g}, the force stays between {low:.4g} and "
         f"{high:.4g} N: a sheet that yields or tears, grips that slip, or frames that were taken earlier than is said; "
         "check frame_rate (--frame-rate) and first_frame_time"
+    )
+    return [Finding(sentence, False)]
+
+
+def check_alone(
+    stretch: Float[np.ndarray, " frame"], force: Float[np.ndarray, " frame"], numbers: Int[np.ndarray, " frame"]
+) -> list[Finding]:
+    """No single frame is far off the smooth curve of force [N] and stretch that all others make.
+
+    Args:
+        stretch: of the frames of one loading, the reference first.
+        force: of the same frames.
+        numbers: of the frames, for the message.
+    """
+    if len(stretch) < _OTHERS or np.ptp(stretch) == 0.0:
+        return []
+    at = (stretch - stretch.min()) / np.ptp(stretch)
+    off, scatter = np.zeros(len(at)), np.zeros(len(at))
+    for k in range(1, len(at) - 1):
+        others = np.delete(np.arange(len(at)), k)
+        curve = np.polynomial.Polynomial.fit(at[others], force[others], 3)
+        off[k] = force[k] - curve(at[k])
+        scatter[k] = np.sqrt(np.sum((force[others] - curve(at[others])) ** 2) / (len(others) - 4))
+    k = int(np.argmax(np.abs(off)))
+    if np.abs(off[k]) <= max(_TURNS * np.abs(force).max(), _DEVIATIONS * scatter[k]):
+        return []
+    sentence = (
+        f"the force at frame {numbers[k]}, {force[k]:.4g} N at the stretch {stretch[k]:.4g}, is off the smooth curve "
+        f"of all others by {off[k]:.2g} N: the file may be of another picture, or the force a spike; leave the frame "
+        "out, --set 'frames=[...]', or number it as it was taken"
     )
     return [Finding(sentence, False)]
 

@@ -20,7 +20,8 @@ from hypernode.dic.forces.record import ForceRecord, read_force_record, record_o
 from hypernode.dic.forces.silence import not_used, with_silences
 from hypernode.dic.frame_clock import FrameClock
 from hypernode.dic.frames import mean_gradient, working_stretch
-from hypernode.dic.increments import refuse_where_reached
+from hypernode.dic.increments import refuse_where_reached, totals_added
+from hypernode.dic.loadings import loadings
 from hypernode.dic.series import Series
 from hypernode.mechanics.loads import RESULTANTS
 from hypernode.progress import say
@@ -129,7 +130,8 @@ def import_forces(
         course, area = working_stretch(series, test.load, *part), sides[1 - part[1]] * thickness
         if not test.increments:
             refuse_where_reached(test.folder, course - 1.0, numbers, pull)
-        found = _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
+        added = _totals_added(pull, numbers, course) if test.increments else []
+        found = added + _checked(pull, numbers, course, area, chosen, explained=test.force_offset is not None)
         if not any(each.refused for each in found):
             paired = pairing_of(test, pull, series, part)
             pairing = np.maximum(pairing, paired.relative(pull, chosen))
@@ -211,9 +213,26 @@ def _checked(pull: PullRecord, numbers, course, area: float, chosen, explained: 
     reached = pull.reached(numbers[seen])
     forces = pull.forces(numbers[seen][reached]) if reached.any() else np.empty(0)
     findings = check_rise(course[seen][reached], forces)
+    findings += _other_loadings(pull) if findings else []
     findings += check_units(pull.time, pull.force) or check_jumps(pull.time, pull.force)
     findings += check_stiffness(at_steps, pull.forces(chosen), area, chosen)
     return findings + (check_rest(forces, explained) if reached[0] else [])
+
+
+def _totals_added(pull: PullRecord, numbers, course) -> list[Finding]:
+    """What speaks against increments that were added up, from the frames that the record reaches."""
+    seen = pull.reached(numbers) & np.isfinite(course)
+    sentence = totals_added(course[seen], pull.forces(numbers[seen])) if seen.any() else ""
+    return [Finding(sentence, False)] if sentence else []
+
+
+def _other_loadings(pull: PullRecord) -> list[Finding]:
+    """When a record pulls more than once: its frames may be of another time than they are taken for."""
+    found = loadings(pull.force)
+    if pull.image is not None or len(found) < 2:
+        return []
+    begins = ", ".join(f"{pull.time[each.start]:.3g}" for each in found[:5]) + (", ..." if len(found) > 5 else "")
+    return [Finding(f"the record pulls {len(found)} times, from {begins} s on", False, explains=True)]
 
 
 def _reported(folder: str, path: Path, findings: list[Finding]) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Whether machine and sheet speak of one size: crosshead and elongation, force and section, factors that units make."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -46,7 +47,11 @@ def crosshead_findings(
         return []
     side, lines = sides[part[0]], (series.x, series.y)[part[0]]
     whole = (lines[-1] - lines[0]) * series.millimetres(test.pixel_size) >= _WHOLE * side
-    return check_crosshead(*courses, pull.time, pull.displacement, side, whole)
+    found = check_crosshead(*courses, pull.time, pull.displacement, side, whole)
+    if test.increments:
+        summed = "; increments: true adds displacements up, and these may be since the reference already"
+        return [replace(each, sentence=each.sentence + summed) for each in found]
+    return found
 
 
 def crosshead_agrees(

@@ -236,7 +236,7 @@ def _read_in_time(table: Table, values: np.ndarray) -> tuple[Table, np.ndarray]:
 
 def _displacement(table: Table, axes: tuple[str, ...], decimal: str) -> np.ndarray | None:
     """Displacement [mm] by sample and axis; None where a column, its unit or a number of it is not there."""
-    names = [table.dialect.displacement.get(axis, ()) for axis in axes]
+    names = [table.dialect.ways(axis) for axis in axes]
     columns = [table.find(each) for each in names]
     if None in columns or any(table.units[k] not in LENGTH_UNITS for k in columns):
         return None

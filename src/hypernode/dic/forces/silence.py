@@ -57,7 +57,7 @@ def with_silences(
     silences = [*pull.silences, *found]
     if pull.image is None:
         interval = float(np.median(np.diff(frame_time)))
-        silences += _gaps(pull.time, np.interp(pull.time, frame_time, stretch), interval, limits)
+        silences += _gaps(pull.time, frame_time, stretch, interval, limits)
     if pull.image is not None:
         # Every picture keeps its samples, by which its time is known.
         return replace(pull, silences=tuple(silences))
@@ -75,10 +75,16 @@ def not_used(numbers, unheard: dict[int, str]) -> str:
     return f"{reasons}: {len(unheard)} of {len(numbers)} frames have no force and are no load steps ({shown})"
 
 
-def _gaps(time, stretch, interval: float, limits: SilenceLimits) -> list[Silence]:
-    """Distances of samples that are longer than a frame, and than usual or than the sheet's motion allows."""
+def _gaps(time, frame_time, stretch, interval: float, limits: SilenceLimits) -> list[Silence]:
+    """Distances of samples that are longer than a frame, and than usual or than the sheet's motion allows.
+
+    Before the first frame and after the last one the sheet is taken to move on as within the same distance.
+    """
     apart = np.diff(time)
-    far = np.abs(np.diff(stretch)) > limits.share * np.ptp(stretch)
+    seen = np.diff(np.clip(time, frame_time[0], frame_time[-1]))
+    moved = np.abs(np.diff(np.interp(time, frame_time, stretch)))
+    moved = np.divide(moved * apart, seen, out=np.zeros_like(moved), where=seen > 0.0)
+    far = moved > limits.share * np.ptp(stretch)
     wide = (apart > 1.001 * interval) & (far | (apart > limits.samples * np.median(apart)))
     return [
         Silence(time[k], time[k + 1], f"the record has no sample from {time[k]:.4g} to {time[k + 1]:.4g} s")
