@@ -44,6 +44,7 @@ class Fit:
         cost, prior: half the squared residuals plus the prior, and the prior alone.
         determined: number of unknowns that the data determine, with the residual as the uncertainty of displacements.
         of_materials: how many of them belong to materials, with fixed lines.
+        covariance: of the parameters of the materials, one material after the other, with such displacements.
         window, window_error: side of the window in points, its standard deviation, 0 where it is not sought.
         ending: how the descent ended.
         history: misfit before every step.
@@ -62,6 +63,7 @@ class Fit:
     prior: float
     determined: float
     of_materials: float
+    covariance: np.ndarray
     window: float
     window_error: float
     ending: Ending
@@ -189,7 +191,7 @@ class InterfaceFit:
         prior = (every := InterfaceFit(test)._numbers(field)).prior(every.y)
         of_u = test.of_displacements(white)
         of_f = np.concatenate([w[len(u) :] for w, u in zip(white, of_u, strict=True)])
-        determined, of_materials = self._determined(numbers, model, shared, self._left(of_u, 0.0))
+        determined, of_materials, covariance = self._determined(numbers, model, shared, self._left(of_u, 0.0))
         return Fit(
             field=field,
             steps=test.steps,
@@ -203,6 +205,7 @@ class InterfaceFit:
             prior=prior,
             determined=determined,
             of_materials=of_materials,
+            covariance=covariance,
             window=test.window,
             window_error=self._window_error,
             ending=ending,
@@ -217,7 +220,7 @@ class InterfaceFit:
         return left_of(observations.grid if observations.by_points else None, observed, of_u, determined)
 
     def _determined(self, numbers: Numbers, model: Derivatives, shared, left: Left):
-        """(how many numbers the data determine, of materials alone), with displacements as uncertain as they leave."""
+        """(how many numbers data determine, of materials alone, covariance of these), as displacements leave them."""
         sigma, count = shared.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0), len(numbers.y)
         jacobians = [J[:, :count] for J in model.over(sigma, [len(b.seen) for b in self.test.boundaries])]
         curvature, _ = dataclasses.replace(shared, sigma=sigma).normal(jacobians, [np.zeros(len(J)) for J in jacobians])
@@ -229,7 +232,8 @@ class InterfaceFit:
             return float(np.trace(np.linalg.solve((curvature + held)[own], curvature[own]))) if len(some) else 0.0
 
         going = numbers.y > numbers.lowest
-        return of(np.flatnonzero(going)), of(np.flatnonzero(going & of_law))
+        covariance = np.linalg.inv(curvature + held)[: numbers.of_materials, : numbers.of_materials]
+        return of(np.flatnonzero(going)), of(np.flatnonzero(going & of_law)), covariance
 
 
 def _mean(values) -> float:

@@ -22,6 +22,7 @@ from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
+from hypernode.identification.merging import merged
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
@@ -101,9 +102,10 @@ class Search:
             kept = self._parted(one, beside, parting)
         if kept is None:
             return None
-        kept = parting.merged(self._with_law(kept))
+        kept = self._merged(self._with_law(kept))
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
+        finer = self._merged(finer)
         if len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
@@ -124,7 +126,7 @@ class Search:
             more = parting.parted(kept) if again else kept
             if more is kept:
                 break
-            kept, finer = self._finer_and_plainer(parting.merged(self._with_law(more)))
+            kept, finer = self._finer_and_plainer(self._merged(self._with_law(more)))
         return kept, finer
 
     def _finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
@@ -215,6 +217,9 @@ class Search:
             every = list(range(len(kept.problem.observations.u)))
             kept = MosaicSearch(self._trials, every).near(kept, "all load steps") or kept
         return answer(self._trials, kept, self._finds)
+
+    def _merged(self, kept: Candidate) -> Candidate:
+        return merged(self._trials, kept, self._steps, self._finds)
 
     def _with_law(self, kept: Candidate) -> Candidate:
         return LawSearch(self._trials, self._steps, self._finds).end(kept)

@@ -12,12 +12,13 @@ import numpy as np
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import stiffness_of, stress_of, turned
+from hypernode.identification.law_search import stiffness_of, turned
+from hypernode.identification.merging import merged
 from hypernode.identification.partition import parts
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.stiffness import ByCell, CellDescent
-from hypernode.identification.trials import FAR, NEAR, Trials
+from hypernode.identification.trials import FAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
 
@@ -27,8 +28,6 @@ MOST = 4
 WINDOW = 1.5
 #: What one material leaves of a load step, over noise, from which the step tells where materials are.
 FAR_FROM_NOISE = 5.0
-#: Difference of the stresses over their size up to which two materials are tried as one.
-ALIKE = 0.15
 
 
 class Beside(NamedTuple):
@@ -186,7 +185,7 @@ class Parting:
             kept = self._gradual(begun, known, beside.found.values[:, 0], u, kept)
         if len(kept.fit.field.gradual):
             return kept
-        return self.merged(kept)
+        return merged(self._trials, kept, self._steps, self._finds)
 
     def _gradual(self, begun: Candidate, known: Interfaces, factor, u, kept: Candidate) -> Candidate:
         """One material that changes gradually, where few materials explain the test no better.
@@ -214,30 +213,4 @@ class Parting:
             trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
             return best
         trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
-        return kept
-
-    def merged(self, kept: Candidate) -> Candidate:
-        """Materials whose stress is about the same as one, as long as two do not explain more."""
-        trials = self._trials
-        while kept.fit.field.count > 2:
-            P = stress_of(kept.problem, kept.fit.field.materials)
-            size = np.linalg.norm(P, axis=1)
-            apart, one, other = min(
-                (np.linalg.norm(P[i] - P[j]) / np.sqrt(size[i] * size[j]), i, j)
-                for i in range(len(P))
-                for j in range(i)
-            )
-            if apart > ALIKE:
-                break
-            field, window = kept.fit.field.merged(one, other), kept.fit.window
-            move = "two materials as one"
-            found = trials.descend(
-                move, kept, kept.problem, field, kept.u, self._steps, NEAR, window, self._finds, settled=False
-            )
-            if found is None or kept.gain_over(found) > EVIDENCE:
-                if found is not None:
-                    trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against two")
-                break
-            trials.passed_over(kept, f"scores {kept.gain_over(found):+.1f} against one material less")
-            kept = found
         return kept
