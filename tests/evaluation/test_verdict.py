@@ -169,6 +169,13 @@ def test_a_field_of_another_noise_than_was_believed_warns_though_it_explains_the
     assert level(judged(measurement, field, displacement_misfit=2.1), "displacements") is Level.FAILED
 
 
+@pytest.mark.parametrize(("deformation", "wanted"), [(0.01, Level.PASSED), (0.1, Level.WARNED)])
+def test_more_noise_than_assumed_counts_by_the_deformation_that_the_rest_amounts_to(measurement, deformation, wanted):
+    louder = constrained(noise_deformation=deformation).assign_attrs(BelievedNoise(factor=1.5).stored())
+    found = criterion(judged(measurement, louder), "displacements")
+    assert found.level is wanted and f"{100.0 * deformation * np.sqrt(1.0 - 1.5**-2):.3g} % of" in found.sentence
+
+
 @pytest.mark.parametrize("kind", [{"materials": 2}, {"materials": 0, "gradual": "true"}])
 def test_a_field_of_few_numbers_cannot_fit_noise_so_that_less_of_it_is_no_warning(measurement, kind):
     for factor, wanted in ((0.5, Level.PASSED), (1.5, Level.WARNED)):

@@ -64,19 +64,30 @@ def judge_displacements(summary, constrained: xr.Dataset | None, noise: float, s
     if judged.level is not Level.PASSED:
         return judged
     if not settings.misfit_low <= believed.factor <= 1.0 / settings.misfit_low:
-        sentence = (
-            f"The noise is {believed.factor:.2g} times the assumed one; the field was identified with that noise."
-        )
-        # A field of few numbers cannot fit noise: it shows that less was there than was assumed.
-        harmless = believed.factor < 1.0 and of_few_numbers(constrained)
-        level = Level.PASSED if harmless else Level.WARNED
-        return Criterion(name, level, sentence, value=believed.factor, threshold=settings.misfit_low)
+        return _other_noise(name, believed.factor, constrained, settings)
     if believed.source is NoiseSource.FRAMES:
         sentence = (
             "Frames and field agree that the stated noise is wrong; the field was identified with their estimate."
         )
         return Criterion(name, Level.WARNED, sentence, value=value, threshold=judged.threshold)
     return judged
+
+
+def _other_noise(name: str, factor: float, constrained: xr.Dataset, settings: Settings) -> Criterion:
+    """The criterion where the field was identified with another noise than the assumed one.
+
+    A field of few numbers cannot fit noise: it shows that less was there than was assumed. More may be what the model
+    misses, and counts by the deformation that it amounts to.
+    """
+    sentence = f"The noise is {factor:.2g} times the assumed one; the field was identified with that noise."
+    harmless = factor < 1.0 and of_few_numbers(constrained)
+    if factor > 1.0:
+        # Misfits are over the larger noise.
+        missed = math.sqrt(1.0 - factor**-2) * float(constrained.attrs["noise_deformation"])
+        harmless = missed <= settings.deformation
+        sentence += f" What it has more amounts to {percent(missed)} of the deformation."
+    level = Level.PASSED if harmless else Level.WARNED
+    return Criterion(name, level, sentence, value=factor, threshold=settings.misfit_low)
 
 
 def _over_noise(
