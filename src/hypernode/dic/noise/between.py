@@ -19,8 +19,9 @@ _THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
 _SMOOTH = 1.1
 #: Frames that a fourth difference and two patterns of the motion take, and as many differences again.
 _FEWEST = 9
-#: Differences that are looked at, at most: their mean level is then known to a hundredth even on small grids.
-_MOST = 24
+#: Differences that are looked at: at least, and at most, as long as they have no more than so many points. A level is
+#: then known to a hundredth.
+_LEAST, _MOST, _POINTS = 3, 24, 100_000
 
 
 def between_frames(
@@ -45,7 +46,7 @@ def between_frames(
         return None
     level, length = static_fit(fourth, range(len(fourth)))
     usual = np.median(level, axis=0)
-    rougher = np.median(static_fit(third, range(len(third)))[0], axis=0)
+    rougher = np.median(np.sqrt(np.nanmean(third**2, axis=(1, 2))), axis=0)
     if (usual == 0.0).any() or (rougher > _SMOOTH * usual).any():
         return None
     return usual, length
@@ -53,7 +54,8 @@ def between_frames(
 
 def _differences(moved: list[np.ndarray], stencil: np.ndarray) -> Float[np.ndarray, "difference row column 2"] | None:
     """Differences in time, without what affine motions and displacements of other frames explain of them."""
-    starts = np.unique(np.linspace(0, len(moved) - len(stencil), _MOST).astype(int))
+    count = np.clip(_POINTS // moved[0][..., 0].size, _LEAST, _MOST)
+    starts = np.unique(np.linspace(0, len(moved) - len(stencil), count).astype(int))
     found = []
     for start in starts:
         own = range(start, start + len(stencil))
