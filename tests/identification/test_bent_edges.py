@@ -2,17 +2,11 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 import xarray as xr
 
 from hypernode.data.measurement import edges_bend_beside
-from hypernode.fem.mesh import rectilinear
-from hypernode.fem.refinement import refine
 from hypernode.identification.bent_edges import with_bent_edges
-from hypernode.identification.interfaces import Interfaces, Lines
-
-GRID = rectilinear(np.linspace(0.0, 1.0, 5), np.linspace(0.0, 1.0, 5))
 
 
 class Tried:
@@ -25,8 +19,7 @@ class Tried:
         self.measurement = measurement
 
     def problem(self, terms, subcells):
-        refinement = refine(GRID, subcells)
-        return SimpleNamespace(observations=SimpleNamespace(grid=GRID), refinement=refinement)
+        return SimpleNamespace(terms=terms, subcells=subcells)
 
     def descend(self, move, start, *_):
         self.descents.append(start)
@@ -37,10 +30,8 @@ class Tried:
 
 
 def candidate(misfit, materials=2):
-    lines = Lines.of(GRID, refine(GRID, 1))
-    field = Interfaces.homogeneous(lines, np.zeros(1))
     found = SimpleNamespace(misfit=misfit, terms=(), subcells=1, u={}, leaves_mostly_no_noise=misfit > 2.0)
-    found.fit = SimpleNamespace(window=2.0, field=SimpleNamespace(count=materials, lines=lines, on=field.on))
+    found.fit = SimpleNamespace(window=2.0, field=SimpleNamespace(count=materials))
     found.halves = lambda other: other.leaves_mostly_no_noise and misfit**2 < 0.5 * other.misfit**2
     return found
 

@@ -6,7 +6,6 @@ the edge may bend it there, where nobody looks (docs/decisions/0194).
 
 from hypernode.data.measurement import EDGES_BEND_BESIDE
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.interfaces import Lines
 from hypernode.identification.trials import NEAR, Trials
 
 MOVE = "edges that may be off by what bends beside them"
@@ -38,7 +37,6 @@ def with_bent_edges(
 
 
 def _again(trials: Trials, candidate: Candidate, steps: list[int], finds_window: bool) -> Candidate | None:
-    problem, lines = trials.problem(candidate.terms, candidate.subcells), candidate.fit.field.lines
-    field = candidate.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, lines))
-    window = candidate.fit.window if finds_window else None
-    return trials.descend(MOVE, candidate, problem, field, candidate.u, steps, NEAR, window, finds_window)
+    problem, fit = trials.problem(candidate.terms, candidate.subcells), candidate.fit
+    window = fit.window if finds_window else None
+    return trials.descend(MOVE, candidate, problem, fit.field, candidate.u, steps, NEAR, window, finds_window)

@@ -104,10 +104,10 @@ def _differing(series: Series, steps: Float[np.ndarray, "step row column 2"], mm
     own, length = local_fit(not_shared(steps)) if len(steps) >= FEWEST_STEPS else (None, None)
     # Too many points may be lost in one of three steps.
     own, length = (own, length) if own is not None and np.isfinite(own).any() else (None, None)
-    between = between_frames([frame.displacement * mm for frame in series.frames])
-    if between is None or (own is not None and (between[0] ** 2 < MOST * np.nanmedian(own, axis=0) ** 2).any()):
+    between = between_frames([frame.displacement for frame in series.frames])
+    if between is None or (own is not None and ((between[0] * mm) ** 2 < MOST * np.nanmedian(own, axis=0) ** 2).any()):
         return own, length
-    return np.tile(between[0], (len(steps), 1)), between[1]
+    return np.tile(between[0] * mm, (len(steps), 1)), between[1]
 
 
 def _believed(values: Float[np.ndarray, "frame 2"], steps: list[int]) -> Float[np.ndarray, "step 2"]:
