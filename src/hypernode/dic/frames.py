@@ -169,11 +169,8 @@ def first_loading(series: Series, course: Float[np.ndarray, " frame"]) -> tuple[
 
     A smaller loading before it, and its unloading, are another branch of the curve.
     """
-    numbers, at, first = (
-        np.array([frame.number for frame in series.frames]),
-        np.arange(len(course)),
-        loadings(course)[0],
-    )
+    numbers = np.array([frame.number for frame in series.frames])
+    at, first = np.arange(len(course)), loadings(course)[0]
     seen = np.isfinite(course) & ((at == 0) | (at >= first.start)) & (at <= first.peak)
     return numbers[seen], course[seen]
 
