@@ -214,3 +214,16 @@ def test_fibres_may_begin_in_four_directions_and_other_terms_in_one_way():
     vectors = np.array([each[0, 1:3] for each in four])
     assert len(four) == 4 and np.allclose(np.hypot(*vectors.T), 0.1) and np.allclose(vectors.sum(axis=0), 0.0)
     assert [each is begun for each in turned(begun, problem, "I2")] == [True]
+
+
+@pytest.mark.slow
+def test_two_materials_that_change_gradually_by_the_same_factor_are_told_from_it():
+    load = make_load("clamped_y", [1.05, 1.1, 1.15])
+    data, _ = observed(lambda X: disc(X) + 0.8 * (X[:, 1] - 0.5), load, level=0.3 * NOISE)
+    found = of_parts(data, SETTINGS, "sheet", STRATEGY)
+    assert found.material_count == 2 and found.gradual
+    soft, stiff = np.sort(np.exp(found.field.materials[:, 0]))
+    assert stiff / soft == pytest.approx(2.0, rel=0.03)
+    grid = found.problem.observations.grid
+    slope, _ = np.polyfit(grid.centres[:, 1], found.field.grid_factor(), 1)
+    assert slope == pytest.approx(0.8 * np.log(2.0), rel=0.1)

@@ -9,18 +9,26 @@ from hypernode.fem.mesh import rectilinear
 from hypernode.identification.partition import centres, levels, without_small
 
 
+@pytest.mark.parametrize("squared", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_levels_are_the_best_of_all(count):
+def test_levels_are_the_best_of_all(count, squared):
     values = np.random.default_rng(count).normal(size=11)
     ordered = np.sort(values)
 
     def far(cuts):
         parts = np.split(ordered, cuts)
+        if squared:
+            return sum(((part - part.mean()) ** 2).sum() for part in parts)
         return sum(np.abs(part - np.median(part)).sum() for part in parts)
 
     best = min(far(cuts) for cuts in combinations(range(1, len(values)), count - 1))
-    found = levels(values, count)
-    assert np.abs(values[:, None] - found).min(axis=1).sum() == pytest.approx(best)
+    found = levels(values, count, squared)
+    assert (np.abs(values[:, None] - found).min(axis=1) ** (2 if squared else 1)).sum() == pytest.approx(best)
+
+
+def test_squares_part_a_few_cells_that_are_far_from_all_others():
+    values = np.concatenate([np.linspace(-0.2, 0.2, 90), np.full(10, 1.0)])
+    assert (np.abs(values[:, None] - levels(values, 2, squared=True)).argmin(axis=1) == 1).sum() == 10
 
 
 def test_a_part_of_few_cells_joins_what_is_around_it():

@@ -111,8 +111,12 @@ class Candidate:
         return self.fit.left.level / self.problem.observations.scatter
 
     def gain_over(self, other: "Candidate") -> float:
-        """Gain in score over another candidate, for residuals that share errors as these do; positive is better."""
-        independent = self.fit.left.independent
+        """Gain in score over another candidate; positive is better.
+
+        Residuals are worth as many independent numbers as those of the one that leaves less: they are the nearer to
+        noise. What a law, a line or a trend leaves is the same in all neighbours, and would count as a few numbers.
+        """
+        independent = min(self.fit, other.fit, key=lambda fit: fit.misfit).left.independent
         return other.score(independent).total - self.score(independent).total
 
     def score(self, independent: float) -> Score:

@@ -74,7 +74,7 @@ class InterfaceEstimate(Estimate):
 
     @property
     def gradual(self) -> bool:
-        """Whether the stiffness of one material changes gradually."""
+        """Whether the stiffness changes gradually, of one material or of all by the same factor."""
         return len(self.field.gradual) > 0
 
     @property
@@ -84,8 +84,8 @@ class InterfaceEstimate(Estimate):
 
     @property
     def material_count(self) -> int:
-        """Number of materials; 0 for a gradual change."""
-        return 0 if self.gradual else self.field.count
+        """Number of materials; 0 for one that changes gradually."""
+        return 0 if self.gradual and self.field.count == 1 else self.field.count
 
     @property
     def labels(self) -> Int[np.ndarray, " cell"]:
@@ -133,7 +133,7 @@ class InterfaceEstimate(Estimate):
         centre = np.tile(self.field.materials[self.labels[cut]].T, steps)
         flat = np.moveaxis(F[:, cut], (2, 3), (0, 1)).reshape(2, 2, -1)
         mean[..., cut] -= points.stress(flat, centre)[0].reshape(2, 2, steps, -1)
-        return np.moveaxis(mean, (0, 1), (2, 3))
+        return np.moveaxis(mean * of.factor, (0, 1), (2, 3))
 
     @property
     def line_error(self) -> float:

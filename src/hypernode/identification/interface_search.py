@@ -16,6 +16,7 @@ from hypernode.data.information import information_of
 from hypernode.data.measurement import window_sought
 from hypernode.identification.bent_edges import with_bent_edges
 from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
+from hypernode.identification.common_trend import with_common_trend
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
@@ -106,7 +107,11 @@ class Search:
         kept = of_likelier_volume(trials, kept, self._steps, self._finds)
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
         finer = self._merged(finer)
-        if len(kept.fit.field.gradual):
+        if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
+            common = with_common_trend(parting, one, beside, kept)
+            if common is not kept:
+                kept, finer = self._finer_and_plainer(self._merged(self._with_law(common)))
+        elif len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
             if gain > -EVIDENCE:
@@ -198,7 +203,8 @@ class Search:
         Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell,
         unless whole cells leave more than noise.
         """
-        if kept.fit.field.count == 1 or isinstance(kept.fit.field, Mosaic):
+        field = kept.fit.field
+        if field.count == 1 or len(field.gradual) or isinstance(field, Mosaic):
             return finer
         trials = self._trials
         found = MosaicSearch(trials, self._steps).near(kept, "whole cells of these materials")

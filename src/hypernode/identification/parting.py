@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
-from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import stiffness_of, turned
 from hypernode.identification.merging import merged
@@ -18,6 +17,7 @@ from hypernode.identification.partition import parts
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.stiffness import ByCell, CellDescent
+from hypernode.identification.trend import trend
 from hypernode.identification.trials import FAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
@@ -56,12 +56,16 @@ class Beside(NamedTuple):
         """Displacement of every load step with the numbers."""
         return {**self.u, **{k: state[0] for k, state in zip(self.steps, self.found.states, strict=True)}}
 
-    def parts(self, count: int):
-        """(part of every cell, material of every part) of so many parts of about equal numbers."""
+    def parts(self, count: int, squared: bool = False):
+        """(part of every cell, material of every part) of so many parts of about equal numbers.
+
+        Args:
+            squared: of :func:`~hypernode.identification.partition.levels`.
+        """
         known, columns = self.known, self.columns
         of_materials = known.materials[:, columns].copy()
         of_materials[:, 0] = stiffness_of(self.problem, known.materials)
-        return parts(of_materials[known.labels()] + self.found.values, count, known, columns, of_materials)
+        return parts(of_materials[known.labels()] + self.found.values, count, known, columns, of_materials, squared)
 
 
 class Parting:
@@ -74,7 +78,7 @@ class Parting:
     """
 
     def __init__(self, trials: Trials, steps: list[int], finds_window: bool, small: bool = False):
-        self._trials, self._steps, self._finds, self._small = trials, steps, finds_window, small
+        self.trials, self.steps, self.finds_window, self._small = trials, steps, finds_window, small
         #: What a factor in every cell leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
 
@@ -89,7 +93,7 @@ class Parting:
 
     def with_direction(self, one: Candidate) -> Beside:
         """A factor and fibres in every cell, on top of one homogeneous material."""
-        problem = self._trials.problem([*one.terms, "fibre"])
+        problem = self.trials.problem([*one.terms, "fibre"])
         columns = [problem.basis.names.index(name) for name in ("log_level", *FIBRE_VECTOR)]
         plain = problem.homogeneous.params.copy()
         # Fibres have no slope where they vanish, so that they begin in some direction.
@@ -102,8 +106,8 @@ class Parting:
     def _largest(self, problem: FieldProblem) -> list[int]:
         """The largest step of every load case, of those that count."""
         loading = problem.observations.loading
-        cases = {loading.load_case[k] for k in self._steps}
-        of_case = ([k for k in self._steps if loading.load_case[k] == case] for case in sorted(cases))
+        cases = {loading.load_case[k] for k in self.steps}
+        of_case = ([k for k in self.steps if loading.load_case[k] == case] for case in sorted(cases))
         return [max(steps, key=lambda k: loading.t[k]) for steps in of_case]
 
     def smallest(self, one: Candidate) -> list[int]:
@@ -115,7 +119,7 @@ class Parting:
         for largest in self._largest(problem):
             own = np.flatnonzero(loading.load_case == loading.load_case[largest])
             for step in own[np.argsort(loading.t[own], kind="stable")]:
-                test = SeenTest(problem, [int(step)], WINDOW if self._finds else None)
+                test = SeenTest(problem, [int(step)], WINDOW if self.finds_window else None)
                 states = test.states(one.fit.field, [one.u[int(step)]])
                 if step == largest or (states is not None and test.left(states) > FAR_FROM_NOISE):
                     found.append(int(step))
@@ -124,8 +128,8 @@ class Parting:
 
     def _by_cell(self, begun: Candidate, problem: FieldProblem, known: Interfaces, columns, starts) -> Beside:
         """Numbers of every cell that explain the largest steps of a test."""
-        trials, steps = self._trials, self._largest(problem)
-        test = SeenTest(problem, steps, begun.fit.window if self._finds else None)
+        trials, steps = self.trials, self._largest(problem)
+        test = SeenTest(problem, steps, begun.fit.window if self.finds_window else None)
         descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
         found = Beside(problem, known, columns, descent, None, steps, begun.u)
         found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts))
@@ -144,7 +148,7 @@ class Parting:
     def _tell(self, beside: Beside, where: str) -> None:
         words = "a factor of the stiffness" + " and fibres" * (len(beside.columns) > 1)
         left = "no equilibrium" if beside.found is None else f"missed by {beside.found.misfit:.3g}"
-        say("constrained", self._trials.name, f"{words} in {where}: {left}")
+        say("constrained", self.trials.name, f"{words} in {where}: {left}")
 
     def parted(self, begun: Candidate, beside: Beside | None = None) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
@@ -153,12 +157,12 @@ class Parting:
             begun: with a law.
             beside: of :meth:`beside`, where that is known.
         """
-        trials, first = self._trials, begun.fit.field.count == 1
+        trials, first = self.trials, begun.fit.field.count == 1
         beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
-        problem, known, u = beside.problem, beside.known, beside.reached
-        kept, window = begun, WINDOW if self._finds and first else begun.fit.window
+        known, u = beside.known, beside.reached
+        kept = begun
         # On top of another law, as many materials may lie elsewhere.
         for count in range(known.count + first, MOST + 1):
             labels, materials = beside.parts(count)
@@ -166,7 +170,7 @@ class Parting:
                 break
             field = Interfaces.around(known.lines, materials, labels)
             move = f"{count} materials and lines"
-            found = trials.descend(move, begun, problem, field, u, self._steps, FAR, window, self._finds, settled=False)
+            found = self._descend(move, begun, beside, field, u)
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -185,32 +189,35 @@ class Parting:
             kept = self._gradual(begun, known, beside.found.values[:, 0], u, kept)
         if len(kept.fit.field.gradual):
             return kept
-        return merged(self._trials, kept, self._steps, self._finds)
+        return merged(trials, kept, self.steps, self.finds_window)
+
+    def _descend(self, move: str, begun: Candidate, beside: Beside, field: Interfaces, u) -> Candidate | None:
+        """Materials and lines from where they were cut out of numbers in every cell."""
+        window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
+        finds, steps = self.finds_window, self.steps
+        return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
+
+    def by_squares(self, one: Candidate, beside: Beside, count: int) -> Candidate | None:
+        """So many materials from another cut of the factor in every cell; None where it gives none.
+
+        Args:
+            one: the homogeneous sheet.
+            beside: the factor on top of it.
+        """
+        labels, materials = beside.parts(count, squared=True)
+        if len(materials) < count:
+            return None
+        field, u = Interfaces.around(beside.known.lines, materials, labels), beside.reached
+        return self._descend(f"{count} materials and lines, cut by squares", one, beside, field, u)
 
     def _gradual(self, begun: Candidate, known: Interfaces, factor, u, kept: Candidate) -> Candidate:
-        """One material that changes gradually, where few materials explain the test no better.
-
-        A change that bends less is of fewer numbers. It is tried as long as what they cost may decide.
-        """
-        trials, best = self._trials, None
-        for bend in BENDS:
-            move, field = f"a gradual change, bends of {bend:g}", known.changing(factor, bend)
-            found = trials.descend(move, begun, begun.problem, field, u, self._steps, FAR)
-            gain = -np.inf if found is None else np.inf if best is None else found.gain_over(best)
-            if found is None or gain <= 0.0:
-                if found is not None:
-                    trials.passed_over(found, f"scores {-gain:+.1f} against larger bends")
-                break
-            if best is not None:
-                trials.passed_over(best, f"scores {gain:+.1f} against smaller bends")
-            best, factor, u = found, found.fit.field.grid_factor(), found.u
-            if best.gain_over(kept) < -best.fit.determined:
-                break
+        """One material that changes gradually, where few materials explain the test no better."""
+        best = trend(self.trials, begun, known, factor, u, self.steps, False, kept)
         if best is None:
             return kept
         gain = best.gain_over(kept)
         if gain > -EVIDENCE:
-            trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
+            self.trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
             return best
-        trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
+        self.trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
         return kept

@@ -53,38 +53,35 @@ def phase_laws(file: xr.Dataset, source: str) -> list[PhaseLaw]:
             f"{source}: holds no laws of phases: name the run's folder, results/CASE/METHOD, or its constrained.nc"
         )
     basis, params = basis_field(file)
-    names, none = [f"posterior.{name}" for name in basis.names], np.zeros((0, len(basis.names)))
-    has_samples, seen = names[0] in file, domain_of(file)
-    if "material_label" not in file:
-        if file.attrs.get("gradual") != "true" or np.ptp(params[1:], axis=(1, 2)).any():
-            raise PredictionError(
-                f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
-                "layers: true, or with fewer terms"
-            )
-        drawn = np.stack([file[n].values[:, 0] for n in names], axis=-1) if has_samples else none[:, None]
-        return [_of_gradual(basis, params[:, 0], drawn, source, seen)]
-    labels = file["material_label"].values
-    half = 1.0 + 0.5 * (float(file["stretch"].values.max()) - 1.0)
+    if "material_label" in file:
+        labels = file["material_label"].values
+    elif file.attrs.get("gradual") == "true" and not np.ptp(params[1:], axis=(1, 2)).any():
+        labels = np.zeros(params.shape[2], int)
+    else:
+        raise PredictionError(
+            f"{source}: every cell has a material of its own, so that no phase has a law: identify the sheet with "
+            "layers: true, or with fewer terms"
+        )
+    names, seen = [f"posterior.{name}" for name in basis.names], domain_of(file)
+    drawn = [file[n].values[:, 0] if n in file else np.zeros((0, len(labels))) for n in names]
+    drawn, half = np.stack(drawn, axis=-1), 1.0 + 0.5 * (float(file["stretch"].values.max()) - 1.0)
     laws, stiffness = [], []
     for label in np.unique(labels):
-        cell = int(np.flatnonzero(labels == label)[0])
-        samples = np.stack([file[n].values[:, 0, cell] for n in names], axis=-1) if has_samples else none
-        laws.append(
-            PhaseLaw(source=source, label=int(label), basis=basis, best=params[:, 0, cell], samples=samples, seen=seen)
-        )
-        stress = basis.stress(half * np.eye(2)[:, :, None], params[:, 0, cell][:, None])
+        own = labels == label
+        laws.append(_of_phase(basis, params[:, 0, own], drawn[:, own], source, int(label), seen))
+        stress = basis.stress(half * np.eye(2)[:, :, None], laws[-1].best[:, None])
         stiffness.append(float(np.linalg.norm(stress)))
     return [laws[k] for k in np.argsort(stiffness, kind="stable")]
 
 
-def _of_gradual(basis: ConvexBasis, params, drawn, source: str, seen: Domain | None) -> PhaseLaw:
-    """The one law of a sheet whose stiffness alone changes from place to place, as prints of one material do.
+def _of_phase(basis: ConvexBasis, params, drawn, source: str, label: int, seen: Domain | None) -> PhaseLaw:
+    """The law of a phase, whose stiffness alone may change from place to place, as prints of one material do.
 
-    Its level is the median over the sheet. How levels scatter from place to place joins each sample: another sheet of
+    Its level is the median over the phase. How levels scatter from place to place joins each sample: another sheet of
     the material may have any of them.
 
     Args:
-        params: parameters of every cell (parameter, cell).
+        params: parameters of every cell of the phase (parameter, cell).
         drawn: the same of posterior samples (sample, cell, parameter).
     """
     best, samples = np.median(params, axis=1), np.median(drawn, axis=1)
@@ -92,4 +89,4 @@ def _of_gradual(basis: ConvexBasis, params, drawn, source: str, seen: Domain | N
         # As many places as there are samples, in an order without a trend and unlike that of other sheets.
         places = np.random.default_rng(zlib.crc32(source.encode())).permutation(count)
         samples[:, 0] += np.quantile(params[0], (places + 0.5) / count) - best[0]
-    return PhaseLaw(source=source, label=0, basis=basis, best=best, samples=samples, seen=seen)
+    return PhaseLaw(source=source, label=label, basis=basis, best=best, samples=samples, seen=seen)

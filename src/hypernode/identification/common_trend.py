@@ -1,0 +1,45 @@
+"""Materials whose stiffness changes gradually by a common factor: believed where it explains most of what they leave.
+
+A print that cures unevenly, a thickness that nobody mapped, and a camera that is not square to the sheet are smooth
+over all of it. Materials and lines cannot follow that, and bend to take a part of it up (docs/decisions/0181).
+"""
+
+import numpy as np
+
+from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.parting import Beside, Parting
+from hypernode.identification.trend import trend
+
+
+def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Candidate) -> Candidate:
+    """A candidate of several materials, or one with a common factor if that halves the squares that were left.
+
+    What changes gradually may have misled the cut as well, or was cut into levels. So two materials of another cut are
+    tried too.
+
+    Args:
+        one: the homogeneous sheet.
+        beside: the factor in every cell on top of it.
+        kept: on elements of the grid.
+    """
+    trials, best = parting.trials, None
+    for begun in (kept, parting.by_squares(one, beside, 2)):
+        if begun is None:
+            continue
+        nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))
+        found = trend(trials, begun, begun.fit.field, nothing, begun.u, parting.steps, parting.finds_window, kept)
+        if found is None:
+            continue
+        if best is None or found.gain_over(best) > 0.0:
+            found, best = best, found
+        if found is not None:
+            trials.passed_over(found, f"scores {best.gain_over(found):+.1f} against a change on top of other lines")
+    if best is None:
+        return kept
+    gain = best.gain_over(kept)
+    if gain > EVIDENCE and best.halves(kept):
+        trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change of all materials")
+        return best
+    why = f"scores {-gain:+.1f} against none" if gain <= EVIDENCE else "leaves more than half of the squares"
+    trials.passed_over(best, why)
+    return kept
