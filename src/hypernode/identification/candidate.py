@@ -15,6 +15,9 @@ from hypernode.trace import Score, Trial
 BY_CHANCE = 3.0
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
 EVIDENCE = 3.0
+#: Standard deviations between two materials, or between a term and none, from which they are not tried as one: three
+#: are no chance, and what elements miss makes a few times as much.
+APART = 10.0
 #: Misfit of displacements over their noise of which three quarters of the squares are no noise.
 MOSTLY_NO_NOISE = 2.0
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.

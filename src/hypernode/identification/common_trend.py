@@ -7,6 +7,7 @@ over all of it. Materials and lines cannot follow that, and bend to take a part 
 import numpy as np
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.gradual import BENDS
 from hypernode.identification.parting import Beside, Parting
 from hypernode.identification.trend import trend
 
@@ -23,11 +24,12 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
         kept: on elements of the grid.
     """
     trials, best = parting.trials, None
+    rest = parting.steps, parting.finds_window, kept
     for begun in (kept, parting.by_squares(one, beside, 2)):
         if begun is None:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))
-        found = trend(trials, begun, begun.fit.field, nothing, begun.u, parting.steps, parting.finds_window, kept)
+        found = trend(trials, begun, begun.fit.field, nothing, begun.u, *rest, bends=BENDS[:1])
         if found is None:
             continue
         if best is None or found.gain_over(best) > 0.0:
@@ -36,6 +38,8 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
             trials.passed_over(found, f"scores {best.gain_over(found):+.1f} against a change on top of other lines")
     if best is None:
         return kept
+    field = best.fit.field
+    best = trend(trials, best, field, field.grid_factor(), best.u, *rest, best=best, bends=BENDS[1:])
     gain = best.gain_over(kept)
     if gain > EVIDENCE and best.halves(kept):
         trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change of all materials")

@@ -137,9 +137,9 @@ class Search:
     def _finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
         """(a candidate, the same on finer elements), without terms that paid for what coarse elements miss."""
         finer = self._finer(kept)
-        if not kept.misses_deformation or finer is kept:
-            return kept, finer
         law = LawSearch(self._trials, self._steps, self._finds and finer.fit.field.count > 1)
+        if finer is kept or not (kept.misses_deformation or law.doubts(finer)):
+            return kept, finer
         plainer = law.plainer(finer)
         if plainer is not finer:
             kept = law.with_law_of(kept, plainer) or kept

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import APART, EVIDENCE, Candidate
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score_test import BELONGS, Joined, price, score_test
@@ -101,6 +101,15 @@ class LawSearch:
             trials.passed_over(kept, f"scores {gain:+.1f} against the law without {kept.terms[-1]}")
             kept = found
         return kept
+
+    def doubts(self, kept: Candidate) -> bool:
+        """Whether data hardly tell the term that paid last from none (Wald's test)."""
+        if not kept.terms:
+            return False
+        names, plain = kept.problem.basis.names, self._trials.with_terms(kept, kept.terms[:-1]).basis.names
+        own = np.flatnonzero(np.tile([name not in plain for name in names], kept.fit.field.count))
+        values, covariance = kept.fit.field.materials.ravel()[own], kept.fit.covariance[np.ix_(own, own)]
+        return bool(values @ np.linalg.solve(covariance, values) < APART**2)
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""

@@ -6,14 +6,10 @@ they are one, and a small one of them has parameters that nothing determines.
 
 import numpy as np
 
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import APART, EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.trials import NEAR, Trials
+from hypernode.identification.trials import FAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
-
-#: Standard deviations between two materials from which they are not tried as one: three are no chance, and what coarse
-#: elements miss makes a few times as much.
-APART = 10.0
 
 
 def merged(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
@@ -25,9 +21,7 @@ def merged(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool
     """
     while kept.fit.field.count > 2 and (field := _without_least_known(kept)) is not None:
         move, window = "two materials as one", kept.fit.window
-        found = trials.descend(
-            move, kept, kept.problem, field, kept.u, steps, NEAR, window, finds_window, settled=False
-        )
+        found = trials.descend(move, kept, kept.problem, field, kept.u, steps, FAR, window, finds_window, settled=False)
         if found is None or kept.gain_over(found) > EVIDENCE:
             if found is not None:
                 trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against two")

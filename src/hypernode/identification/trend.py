@@ -1,5 +1,7 @@
 """How much a stiffness changes gradually: of one material, or of several by a common factor."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 
@@ -18,6 +20,8 @@ def trend(
     steps: list[int],
     finds_window: bool,
     instead: Candidate,
+    best: Candidate | None = None,
+    bends: Sequence[float] = BENDS,
 ) -> Candidate | None:
     """The likeliest field with a gradual change on top of materials; None without equilibrium.
 
@@ -31,9 +35,11 @@ def trend(
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
         instead: the candidate that it competes with.
+        best: with larger bends, where these were tried.
+        bends: of :class:`~hypernode.identification.gradual.Splines`.
     """
-    best, window, lines = None, begun.fit.window if finds_window else None, field.count > 1
-    for bend in BENDS:
+    window, lines = begun.fit.window if finds_window else None, field.count > 1
+    for bend in bends:
         move, changing = f"a gradual change, bends of {bend:g}", field.changing(factor, bend)
         found = trials.descend(
             move, begun, begun.problem, changing, u, steps, FAR, window, finds_window and lines, settled=not lines
