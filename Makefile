@@ -11,6 +11,10 @@ export PYTHONPATH := $(HYPERNODE_SOURCE)
 else
 unexport PYTHONPATH
 endif
+# Every process would compile the project anew.
+unexport PYTHONDONTWRITEBYTECODE
+# One thread for linear algebra, as jobs have: tests run side by side, and more only wait for one another.
+unit types laws held smoke: export OMP_NUM_THREADS := 1
 
 .PHONY: all help example resume verdict test lint unit types laws held cost gpu felupe engines pyvale-env al-dic-env smoke browser accuracy ablations sweep endurance cluster \
     slurm wheel pythons docs doctest release report bench profile next-test strangers family extremes challenge peers clean

@@ -1,6 +1,7 @@
 """The house: which package may import which, how large its rooms may be, and how what is in them is built."""
 
 import ast
+import functools
 from pathlib import Path
 
 import pytest
@@ -118,17 +119,29 @@ FREE_OF_IMPORTS = {"mechanics.loads", "mechanics.parameters", "networks.terms", 
 OPENING = "hypernode.storage.netcdf"
 
 
+@functools.cache
 def modules():
     return sorted(PACKAGE.rglob("*.py"))
+
+
+@functools.cache
+def nodes(path: Path) -> list[ast.AST]:
+    """Every node of a file, which many tests look at."""
+    return list(ast.walk(ast.parse(path.read_text())))
 
 
 def room(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imports(path: Path):
+@functools.cache
+def imports(path: Path) -> list[tuple[int, str]]:
     """(line, module below hypernode) of every import of the package in a file, wherever it stands."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    return list(imported(nodes(path)))
+
+
+def imported(nodes: list[ast.AST]):
+    for node in nodes:
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "hypernode":
             base = node.module.removeprefix("hypernode").lstrip(".")
             if base and "." not in base:
@@ -223,7 +236,7 @@ def test_mathematics_opens_no_file(name):
         f"{path.name}: {node.func.id if isinstance(node.func, ast.Name) else node.func.attr}"
         for path in modules()
         if room(path) == name
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in nodes(path)
         if isinstance(node, ast.Call)
         and (
             (isinstance(node.func, ast.Name) and node.func.id == "open")
@@ -249,7 +262,7 @@ def test_files_and_functions_stay_of_a_size_that_is_read_at_once():
         where = str(path.relative_to(PACKAGE))
         if len(text.splitlines()) > 250 and where not in LONG_FILES:
             long.append(f"{where}: {len(text.splitlines())} lines")
-        for node in ast.walk(ast.parse(text)):
+        for node in nodes(path):
             if isinstance(node, ast.FunctionDef):
                 length = node.end_lineno - node.lineno + 1
                 if length > 60 and f"{where}:{node.name}" not in LONG_FUNCTIONS:
@@ -261,10 +274,9 @@ def test_files_and_functions_stay_of_a_size_that_is_read_at_once():
 BY_POSITION = 4
 
 
-def classes_of(texts: dict[str, str]) -> list[tuple[str, ast.ClassDef]]:
-    """(file, class) of every class in some files, by their texts."""
-    trees = {where: ast.parse(text) for where, text in texts.items()}
-    return [(at, node) for at, tree in trees.items() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+def classes_of(files: dict[str, list[ast.AST]]) -> list[tuple[str, ast.ClassDef]]:
+    """(file, class) of every class in some files, by their nodes."""
+    return [(at, node) for at, found in files.items() for node in found if isinstance(node, ast.ClassDef)]
 
 
 def by_position(node: ast.ClassDef, known: dict[str, list[ast.ClassDef]]) -> int:
@@ -295,10 +307,10 @@ def by_position(node: ast.ClassDef, known: dict[str, list[ast.ClassDef]]) -> int
     return inherited + fields
 
 
-def too_many_by_position(texts: dict[str, str]) -> list[str]:
+def too_many_by_position(files: dict[str, list[ast.AST]]) -> list[str]:
     """Classes whose constructors take more arguments by position than they may."""
     known: dict[str, list[ast.ClassDef]] = {}
-    found = classes_of(texts)
+    found = classes_of(files)
     for _, node in found:
         known.setdefault(node.name, []).append(node)
     counts = [(at, node, by_position(node, known)) for at, node in found]
@@ -323,12 +335,12 @@ FOUR = FIVE.replace("    e", "    _: KW_ONLY\n    e")
     ],
 )
 def test_arguments_by_position_are_counted_however_a_constructor_is_written(text, refused):
-    found = too_many_by_position({"file": text})
+    found = too_many_by_position({"file": list(ast.walk(ast.parse(text)))})
     assert [each.split(": ")[1] for each in found] == ([refused] if refused else [])
 
 
 def test_no_constructor_takes_more_than_four_arguments_by_position():
     folders = [ROOT / name for name in ("src", "tests", "benchmarks", "docs", "workflow")]
     files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
-    wrong = too_many_by_position({str(path.relative_to(ROOT)): path.read_text() for path in files})
+    wrong = too_many_by_position({str(path.relative_to(ROOT)): nodes(path) for path in files})
     assert not wrong, "\n".join(wrong)

@@ -13,14 +13,16 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.fixture
 def project(tmp_path):
-    """The Makefile beside an environment that counts as built, whose snakemake writes down its PYTHONPATH."""
+    """The Makefile beside an environment that counts as built, whose snakemake writes down what reaches it."""
     shutil.copy(ROOT / "Makefile", tmp_path)
     (tmp_path / "requirements").mkdir()
     for name in ("pyproject.toml", "requirements.txt", "requirements/constraints.txt"):
         (tmp_path / name).touch()
     program = tmp_path / ".venv/bin/snakemake"
     program.parent.mkdir(parents=True)
-    program.write_text('#!/bin/sh\necho "${PYTHONPATH-none}" > seen\n')
+    program.write_text(
+        '#!/bin/sh\necho "${PYTHONPATH-none}" > seen\necho "${PYTHONDONTWRITEBYTECODE-none}" > unwritten\n'
+    )
     program.chmod(0o755)
     (tmp_path / ".venv/run").touch()
     return tmp_path
@@ -38,6 +40,11 @@ def test_the_packages_of_another_python_do_not_reach_a_program_but_a_source_that
     own = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "HYPERNODE_SOURCE")}
     subprocess.run(["make", "--silent"], cwd=project, env=own | given, check=True)
     assert (project / "seen").read_text().strip() == seen
+
+
+def test_what_is_compiled_of_the_project_is_kept_where_a_container_forbids_it(project):
+    subprocess.run(["make", "--silent"], cwd=project, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}, check=True)
+    assert (project / "unwritten").read_text().strip() == "none"
 
 
 def test_help_has_every_target_that_a_comment_explains_under_a_heading():

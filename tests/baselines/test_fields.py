@@ -1,5 +1,7 @@
 """Each classical method finds on a known neo-Hookean sheet what its literature says that it finds."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -20,15 +22,17 @@ from hypernode.stages.baseline import moduli_of
 from tests.sheets import sheet, square
 
 
-def seen(inclusion=square, load=("equibiaxial", [1.05, 1.1]), noise=0.0, cells=16):
-    """(mesh, loading, F, u, moduli) of a test of a neo-Hookean sheet."""
-    data, mesh, params = sheet(cells, inclusion, make_load(*load), noise, terms=())
+@cache
+def seen(inclusion=square, load=("equibiaxial", (1.05, 1.1)), noise=0.0, cells=16):
+    """(mesh, loading, F, u, moduli) of a test of a neo-Hookean sheet, which no test of the method changes."""
+    kind, stretches = load
+    data, mesh, params = sheet(cells, inclusion, make_load(kind, list(stretches)), noise, terms=())
     u = data["u_measured"].values[0]
     F = np.moveaxis(deformation_gradient(mesh, u), (2, 3), (0, 1))
     return mesh, Loading.of(data), F, u, np.exp(params[:, 0])
 
 
-@pytest.mark.parametrize("load", [("equibiaxial", [1.05, 1.1]), ("uniaxial_x", [1.1]), ("clamped_y", [1.1])])
+@pytest.mark.parametrize("load", [("equibiaxial", (1.05, 1.1)), ("uniaxial_x", (1.1,)), ("clamped_y", (1.1,))])
 def test_virtual_fields_find_the_moduli_of_two_regions(load):
     mesh, loading, F, _, moduli = seen(load=load)
     found = virtual_fields_moduli(mesh, loading, F, square(mesh.centres).astype(int))
@@ -73,14 +77,14 @@ def test_the_constitutive_gap_finds_an_inclusion():
 
 @pytest.mark.parametrize("noise", [0.0, 2e-4])
 def test_updating_of_two_regions_finds_their_moduli_also_from_noisy_displacements(noise):
-    mesh, loading, F, u, moduli = seen(noise=noise, cells=10)
+    mesh, loading, F, u, moduli = seen(noise=noise, cells=8)
     start = homogeneous_modulus(mesh, loading, F)
     found = updated_moduli(Sheet(mesh, loading, u, noise), square(mesh.centres).astype(int), start)
     np.testing.assert_allclose(found, moduli, rtol=0.02 if noise else 1e-4)
 
 
 def test_the_linearised_misfit_of_updating_is_that_of_differences_and_has_its_adjoint():
-    mesh, loading, F, u, _ = seen(cells=6)
+    mesh, loading, F, u, _ = seen(cells=8)
     tested, random = Sheet(mesh, loading, u, 0.0), np.random.default_rng(0)
     level = np.log(homogeneous_modulus(mesh, loading, F)) + 0.2 * random.normal(size=len(mesh.cells))
     change, size = random.normal(size=len(mesh.cells)), 1e-5
@@ -140,7 +144,7 @@ def test_states_of_the_reciprocity_gap_are_in_equilibrium_and_compatible_with_th
 
 def small(inclusion):
     """A sheet under a small load, with the nodal forces along its outline."""
-    mesh, loading, F, u, moduli = seen(inclusion, ("equibiaxial", [1.005]), cells=20)
+    mesh, loading, F, u, moduli = seen(inclusion, ("equibiaxial", (1.005,)), cells=20)
     P = moduli * unit_stress(F)
     D = nodal_force_matrices(mesh)
     force = np.stack([np.stack([D[0] @ P[i, 0, 0] + D[1] @ P[i, 1, 0] for i in range(2)], axis=-1)])

@@ -29,11 +29,12 @@ def assert_same(material: Material, X, states=STATES):
     """The text at every position against the API."""
     stress, params = material.stress_law(X)
     law = called(trace(stress, jax.tree.map(lambda leaf: leaf[..., :1], params)).javascript)
-    for k in range(len(X)):
-        p = np.concatenate([np.ravel(leaf[..., k % leaf.shape[-1]]) for leaf in jax.tree.leaves(params)])
-        for F in states:
-            wanted = material.stress(X, np.broadcast_to(F, (len(X), 2, 2)))[k]
-            assert np.allclose(law(F, p), wanted, rtol=1e-6, atol=1e-9 * np.abs(wanted).max())
+    leaves = [np.asarray(leaf) for leaf in jax.tree.leaves(params)]
+    for F in states:
+        wanted = np.asarray(material.stress(X, np.broadcast_to(F, (len(X), 2, 2))))
+        for k, P in enumerate(wanted):
+            p = np.concatenate([np.ravel(leaf[..., k % leaf.shape[-1]]) for leaf in leaves])
+            assert np.allclose(law(F, p), P, rtol=1e-6, atol=1e-9 * np.abs(P).max())
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -62,7 +63,7 @@ def test_of_networks_of_every_kind(potential):
     )
     points = 2
     keys = jax.random.split(jax.random.key(1), points)
-    params = jnp.stack([node.initial_params(key) for key in keys], axis=1)
+    params = jax.jit(jax.vmap(node.initial_params, out_axes=1))(keys)
     laws = partial(node_stress, node), partial(node_energy, node)
     assert_same(Material(lambda X: params, *laws, {}), np.zeros((points, 2)))
 

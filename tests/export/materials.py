@@ -1,5 +1,6 @@
 """Files of small materials of every kind, and exported packages as modules."""
 
+import functools
 import importlib.util
 import json
 
@@ -35,15 +36,16 @@ def file_of(content, **attributes):
     return xr.Dataset({**grid(MESH), **content}, attrs=attributes)
 
 
+@functools.cache
 def node_file(terms, potential="node", scaled=True):
-    """Random weights, large enough that every term counts."""
+    """Random weights, large enough that every term counts. No test changes the file."""
     spec = {
         "terms": terms, "hidden": (3, 2), "steps": 2, "invariant_scale": 0.3, "stress_scale": 1.7, "share": 0.4,
         "scaled": scaled, "potential": potential,
     }  # fmt: skip
     material = NodeMaterial(**spec)
     network = make_network(SETTINGS, 0, material.size, 3)
-    network.layers[-1].bias[...] = 3.0 * material.initial_params(jax.random.key(5)).astype(jnp.float32)
+    network.layers[-1].bias[...] = 3.0 * jax.jit(material.initial_params)(jax.random.key(5)).astype(jnp.float32)
     attributes = {"material_kind": "node", "node": json.dumps(spec), "hypernetwork": SETTINGS.model_dump_json()}
     return file_of(to_arrays(network, "hypernetwork"), length_scale=2.0, **attributes)
 

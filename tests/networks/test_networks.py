@@ -1,5 +1,6 @@
 """Neural ODEs are monotone; their weights, and those of networks, survive a round trip."""
 
+from functools import partial
 from itertools import product
 
 import jax
@@ -17,6 +18,13 @@ from hypernode.networks.potentials import POTENTIALS
 from hypernode.networks.terms import POWERS
 from hypernode.networks.weights import from_arrays, make_network, to_arrays
 
+#: Compiled as a whole.
+flow_at = jax.jit(flow, static_argnums=(2, 3))
+
+
+def initial(material):
+    return jax.jit(material.initial_params)(jax.random.key(0))
+
 
 @pytest.mark.parametrize("hidden", [(4, 4), (2,), (8, 8)])
 @pytest.mark.parametrize("steps", [1, 2, 5])
@@ -24,9 +32,8 @@ def test_the_discrete_flow_is_monotone_for_any_weights_and_passes_through_zero(h
     sizes = jnp.linspace(0.1, 5.0, 200)
     weights = sizes * jax.random.normal(jax.random.key(1), (weight_count(hidden), 200))
     h = jnp.linspace(-3.0, 3.0, 301)[:, None] * jnp.ones((1, 200))
-    compiled = jax.jit(flow, static_argnums=(2, 3))
-    assert np.diff(np.asarray(compiled(h, weights, hidden, steps)), axis=0).min() > 0.0
-    assert np.abs(compiled(0.0 * h, weights, hidden, steps)).max() == 0.0
+    assert np.diff(np.asarray(flow_at(h, weights, hidden, steps)), axis=0).min() > 0.0
+    assert np.abs(flow_at(0.0 * h, weights, hidden, steps)).max() == 0.0
 
 
 def test_one_step_of_the_largest_slope_is_increasing_whatever_the_slopes_at_its_stages():
@@ -66,7 +73,8 @@ def test_a_compressed_sheet_that_may_change_its_volume_is_convex_along_shears():
     params = rng.normal(0.0, 1.0, (material.size, 50))
     params[-1] = -3.0
     F, line = 0.8 * np.eye(2)[..., None] * np.ones(50), np.array([[0.0, 0.01], [0.0, 0.0]])[..., None]
-    change = node_stress(material, F + line, params) - node_stress(material, F - line, params)
+    stress = jax.jit(partial(node_stress, material))
+    change = np.asarray(stress(F + line, params)) - np.asarray(stress(F - line, params))
     assert np.sum(change * line, axis=(0, 1)).min() > 0.0
 
 
@@ -86,13 +94,17 @@ def test_networks_with_powers_of_the_stretches_contain_the_laws_of_ogden_that_th
     material = NodeMaterial(
         terms=("I1", "I2", *POWERS), hidden=(4, 4), steps=2, invariant_scale=0.4, stress_scale=1.0, scaled=True
     )
-    letters = basis.coefficients(jnp.array(list(found.values())))
-    constants = jnp.log(letters["c"] * jnp.array([1.0, letters["c2"], letters["c5"], letters["c6"], letters["c7"]]))
-    # Without any share of a neural ODE, what is left are the constant parts.
-    params = material.join(jnp.zeros((24, 5)), jnp.zeros(0), jnp.concatenate([constants, jnp.full(5, -40.0)]), None)
-    F = jnp.eye(2)[..., None] + 0.2 * jax.random.normal(jax.random.key(0), (2, 2, 50))
-    wanted = basis.stress(F, jnp.array(list(found.values()))[:, None])
-    np.testing.assert_allclose(node_stress(material, F, params[:, None]), wanted, rtol=2e-5, atol=2e-5)
+
+    @jax.jit
+    def both(F, values):
+        letters = basis.coefficients(values)
+        constants = jnp.log(letters["c"] * jnp.array([1.0, letters["c2"], letters["c5"], letters["c6"], letters["c7"]]))
+        # Without any share of a neural ODE, what is left are the constant parts.
+        params = material.join(jnp.zeros((24, 5)), jnp.zeros(0), jnp.concatenate([constants, jnp.full(5, -40.0)]), None)
+        return node_stress(material, F, params[:, None]), basis.stress(F, values[:, None])
+
+    F = np.eye(2)[..., None] + 0.2 * np.asarray(jax.random.normal(jax.random.key(0), (2, 2, 50)))
+    np.testing.assert_allclose(*both(F, np.array(list(found.values()))), rtol=2e-5, atol=2e-5)
     without = NodeMaterial(terms=("I1", "I2"), hidden=(4, 4), steps=2, invariant_scale=0.4, stress_scale=1.0)
     assert not material.has_fibres and without.size < material.size
 
@@ -102,7 +114,7 @@ def test_every_potential_makes_a_material_that_is_stress_free_undeformed(name):
     material = NodeMaterial(
         terms=("I1", "I2", "I1_I4v"), hidden=(3,), steps=4, invariant_scale=0.4, stress_scale=1.0, potential=name
     )
-    params = material.initial_params(jax.random.key(0))
+    params = initial(material)
     assert params.shape == (material.size,)
     stress = node_stress(material, jnp.eye(2)[:, :, None], params[:, None])
     assert np.abs(stress).max() < 1e-6
@@ -111,8 +123,8 @@ def test_every_potential_makes_a_material_that_is_stress_free_undeformed(name):
 def test_flow_converges_with_fourth_order():
     weights = jax.random.normal(jax.random.key(2), (24, 1))
     h = jnp.array([[0.7]])
-    exact = flow(h, weights, (4, 4), 256)
-    errors = [float(jnp.abs(flow(h, weights, (4, 4), n) - exact).max()) for n in (2, 4, 8)]
+    exact = flow_at(h, weights, (4, 4), 256)
+    errors = [float(jnp.abs(flow_at(h, weights, (4, 4), n) - exact).max()) for n in (2, 4, 8)]
     assert np.log2(errors[1] / errors[2]) > 3.5
 
 
@@ -143,7 +155,7 @@ def test_parameters_split_and_join_back():
 
 def test_every_term_starts_from_its_own_weights():
     material = NodeMaterial(terms=("I1", "I2", "I4v"), hidden=(4, 4), steps=2, invariant_scale=1.0, stress_scale=1.0)
-    weights = material.split(material.initial_params(jax.random.key(0)))[0]
+    weights = np.asarray(jax.jit(material.split)(initial(material))[0])
     assert np.abs(np.diff(weights, axis=1)).min(axis=0).max() > 0
     assert not np.allclose(weights[:, 0], weights[:, 1])
 
@@ -169,6 +181,7 @@ def test_fibres_begin_with_little_dispersion_and_families_apart():
     material = NodeMaterial(
         terms=("I1", "I1_I4v", "I4v_I4w"), hidden=(4,), steps=2, invariant_scale=0.4, stress_scale=1.0
     )
-    params = material.initial_params(jax.random.key(0))
-    dispersed, coupled = jax.nn.sigmoid(material.split(params)[1])
+    dispersed, coupled = np.asarray(
+        jax.jit(lambda params: jax.nn.sigmoid(material.split(params)[1]))(initial(material))
+    )
     assert 0.05 < dispersed < 0.2 and coupled > 0.95

@@ -179,7 +179,7 @@ class NodeMaterial:
         k = self.weights_per_term
         keys = jax.random.split(key, len(self.terms))
         spread = 0.5 / max(self.hidden) ** 0.5
-        weights = jnp.stack([spread * jax.random.normal(each, (k,)) for each in keys], axis=1)
+        weights = spread * jax.vmap(lambda each: jax.random.normal(each, (k,)), out_axes=1)(keys)
         shares = [self.share] * len(self.terms) if self.scaled else []
         constants = jnp.log(jnp.array([CONSTANT_START[name] for name in self.constants] + shares))
         mixture = jnp.array([MIXTURE_START.get(TERMS[term][0], 0.0) for term in self.mixtures])

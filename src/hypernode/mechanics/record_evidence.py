@@ -80,18 +80,19 @@ class Explanations(NamedTuple):
 
 def explanations_of(records: Sequence[Record]) -> Explanations:
     """Every explanation of the records of one sheet."""
-    times, noises, found = times_of(*records), [noise_of(record) for record in records], []
+    times, noises, blocks = times_of(*records), [noise_of(record) for record in records], []
     spectra, prior = _spectra(len(times))
     for frames in itertools.product(SHIFTS, repeat=len(records)):
         shifts = [shift * record.interval for shift, record in zip(frames, records, strict=True)]
         views = views_of(records, noises, shifts, times)
         parts, target = parts_of(views)
         clock = -0.5 * sum((shift / SHIFT_SPREAD) ** 2 for shift in frames)
-        for spectrum, log in zip(spectra, prior, strict=True):
-            curve, rest = nnls(parts[0] + np.tensordot(spectrum, parts[1:], 1), target, maxiter=FIT_ITERATIONS)
-            factor = np.stack([view.factor(curve, spectrum) for view in views])
-            found.append((clock - 0.5 * rest**2, log, factor, spectrum, shifts))
-    return Explanations(*(np.array(each) for each in zip(*found, strict=True)), times)
+        matrices = parts[0] + np.tensordot(spectra, parts[1:], 1)
+        fits = [nnls(matrix, target, maxiter=FIT_ITERATIONS) for matrix in matrices]
+        curves, rest = (np.array(each) for each in zip(*fits, strict=True))
+        factor = np.stack([view.factor(curves, spectra) for view in views], axis=1)
+        blocks.append((clock - 0.5 * rest**2, prior, factor, spectra, np.tile(shifts, (len(spectra), 1))))
+    return Explanations(*(np.concatenate(each) for each in zip(*blocks, strict=True)), times)
 
 
 def _spectra(count: int) -> tuple[Float[np.ndarray, "explanation time"], Float[np.ndarray, " explanation"]]:

@@ -133,13 +133,15 @@ class View(NamedTuple):
     memories: Float[np.ndarray, "time sample curve"]
     triangle: Float[np.ndarray, "row column"]
 
-    def factor(self, curve, spectrum) -> Float[np.ndarray, " sample"]:
-        """Recorded over elastic force."""
-        lasting = self.columns @ curve
-        factor = np.full(len(lasting), 1.0 + spectrum.sum())
-        told = lasting > _NO_FORCE * lasting.max()
-        factor[told] = 1.0 + (np.tensordot(spectrum, self.memories, 1) @ curve)[told] / lasting[told]
-        return factor
+    def factor(
+        self, curve: Float[np.ndarray, "*explanation curve"], spectrum: Float[np.ndarray, "*explanation time"]
+    ) -> Float[np.ndarray, "*explanation sample"]:
+        """Recorded over elastic force, of one explanation or of many."""
+        lasting = curve @ self.columns.T
+        left = np.sum(np.moveaxis(spectrum, -1, 0)[..., None] * (curve @ np.swapaxes(self.memories, 1, 2)), axis=0)
+        told = lasting > _NO_FORCE * lasting.max(axis=-1, keepdims=True)
+        undivided = np.broadcast_to(spectrum.sum(axis=-1, keepdims=True), lasting.shape)
+        return 1.0 + np.where(told, left / np.where(told, lasting, 1.0), undivided)
 
 
 def views_of(

@@ -3,19 +3,32 @@
 import ast
 import hashlib
 import json
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 from hypernode.storage.environment import compiler, versions
 
 PACKAGE = Path(__file__).resolve().parents[1]
+#: Parts of a statement that hold further ones.
+_BODIES = ("body", "orelse", "finalbody", "handlers", "cases")
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """Every statement of a module, however deep: imports are statements, and expressions are most of a tree."""
+    todo: list[ast.AST] = [tree]
+    while todo:
+        node = todo.pop()
+        yield node
+        for name in _BODIES:
+            todo.extend(getattr(node, name, ()))
 
 
 @cache
 def imported_modules(source: Path) -> frozenset[Path]:
     """Modules of this package that a Python file imports, anywhere in it, directly or not."""
     found = set()
-    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+    for node in _statements(ast.parse(source.read_text(encoding="utf-8"))):
         names = []
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
@@ -47,9 +60,15 @@ def modules_used(script: Path) -> list[Path]:
 
 def data_read(modules: list[Path]) -> list[Path]:
     """Files in folders without modules beside some modules: what a package brings along to read, in a fixed order."""
-    folders = {folder for module in modules for folder in module.parent.iterdir() if folder.is_dir()}
-    kept = (folder for folder in folders if folder.name != "__pycache__" and not any(folder.rglob("*.py")))
-    return sorted(path for folder in kept for path in folder.rglob("*") if path.is_file())
+    return sorted(path for folder in {module.parent for module in modules} for path in _brought_along(folder))
+
+
+@cache
+def _brought_along(parent: Path) -> tuple[Path, ...]:
+    """Files in the folders of a folder that hold no module."""
+    folders = (folder for folder in parent.iterdir() if folder.is_dir() and folder.name != "__pycache__")
+    kept = (folder for folder in folders if not any(folder.rglob("*.py")))
+    return tuple(path for folder in kept for path in folder.rglob("*") if path.is_file())
 
 
 def code_hash(script: str | Path) -> str:

@@ -1,5 +1,7 @@
 """Noise of a deforming field from differences along grid lines; the deformation is assumed to be smooth."""
 
+import functools
+
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import nnls
@@ -148,15 +150,22 @@ def _of_deformation(spacing: Float[np.ndarray, " spacing"]) -> list[Float[np.nda
     return [smooth, kinks, _variance_of(spacing, spacing.max() / _SPACINGS_A_DETAIL)]
 
 
-def _fit(table: Float[np.ndarray, "spacing 4"], length: float) -> tuple[float, float]:
-    """(level, deviance) of noise of a length and what deformation adds, fitted to the variances of a frame."""
-    axis, spacing, variance, count = table.T
+@functools.lru_cache(maxsize=1024)
+def _columns(axes: tuple[float, ...], spacings: tuple[float, ...], length: float) -> Float[np.ndarray, "spacing part"]:
+    """What noise of a length and deformation add to the variances, each up to a factor: the same for many frames."""
+    axis, spacing = np.array(axes), np.array(spacings)
     columns = [_variance_of(spacing, length)]
     for one in np.unique(axis):
         here = axis == one
         # Fewer spacings tell fewer shares apart.
         columns += [here * share for share in _of_deformation(spacing)[: here.sum() - 1]]
-    matrix = np.stack(columns, axis=1)
+    return np.stack(columns, axis=1)
+
+
+def _fit(table: Float[np.ndarray, "spacing 4"], length: float) -> tuple[float, float]:
+    """(level, deviance) of noise of a length and what deformation adds, fitted to the variances of a frame."""
+    axis, spacing, variance, count = table.T
+    matrix = _columns(tuple(axis), tuple(spacing), float(length))
     model = variance
     for _ in range(4):
         weight = np.sqrt(count) / np.maximum(model, 1e-3 * variance)
