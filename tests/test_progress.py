@@ -35,6 +35,13 @@ def test_the_level_decides_which_steps_are_shown(name, shown, level, capsys):
     assert [line.split(",")[0] for line in lines] == [f"[stage] case: step {step}/3" for step in shown]
 
 
+@pytest.mark.parametrize(("numbers", "shown"), [({}, ""), ({"loss": 0.5, "kept": 2.0}, ", loss 0.5, kept 2")])
+def test_a_step_shows_the_numbers_that_it_has(numbers, shown, level, capsys):
+    level("info")
+    progress.Progress("stage", "case", 1).advance(**numbers)
+    assert capsys.readouterr().err == f"[stage] case: step 1/1{shown}, 0 s left\n"
+
+
 def test_what_is_said_is_heard_at_any_level_and_not_shown(level, capsys):
     level("warning")
     with progress.heard() as texts:

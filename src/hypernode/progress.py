@@ -89,6 +89,6 @@ class Progress:
         if due:
             self.last = now
         left = (now - self.start) / max(self.step, 1) * (self.total - self.step)
-        shown = ", ".join(f"{key} {value:.3g}" for key, value in numbers.items())
-        text = f"step {self.step}/{self.total}, {shown}, {left:.0f} s left"
+        shown = [f"{key} {value:.3g}" for key, value in numbers.items()]
+        text = ", ".join([f"step {self.step}/{self.total}", *shown, f"{left:.0f} s left"])
         say(self.stage, self.case, text, logging.INFO if due else logging.DEBUG)

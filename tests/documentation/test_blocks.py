@@ -1,4 +1,4 @@
-"""Every block of code in the tutorial, the guides and the README runs; one that cannot says why."""
+"""Every block of code in the tutorial, the guides and the READMEs runs; one that cannot says why."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from tests.documentation.blocks import CHECKED, RUN, SHOWN, blocks_of
 from tests.documentation.copy import ROOT, Copy
 
 PAGES = [
-    Path("README.md"),
+    *(Path(name) for name in ("README.md", "config/README.md", "docs/CONTRIBUTING.md", "docs/examples/README.md")),
     *(Path(f"docs/{name}.md") for name in ("index", "tutorial", "gallery", "experiments", "everything")),
     *sorted(path.relative_to(ROOT) for path in ROOT.glob("docs/how-to/*.md")),
 ]

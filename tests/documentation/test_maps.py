@@ -34,6 +34,12 @@ def test_every_entry_at_the_top_is_explained_in_the_readme():
     assert entries == explained and len(entries) <= MOST_ENTRIES
 
 
+def test_every_file_of_the_configuration_is_explained_beside_it():
+    table = (ROOT / "config/README.md").read_text().split("\n## ")[0]
+    explained = re.findall(r"^\| `([\w.]+)` \|", table, flags=re.MULTILINE)
+    assert {path.name for path in (ROOT / "config").iterdir()} == {*explained, "README.md"}
+
+
 @pytest.mark.parametrize("page", ["README.md", "docs/CONTRIBUTING.md"])
 def test_every_place_of_the_map_is_there(page):
     named = PATH.findall((ROOT / page).read_text())
