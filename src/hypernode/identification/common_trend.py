@@ -23,23 +23,23 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
         beside: the factor in every cell on top of it.
         kept: on elements of the grid.
     """
-    trials, best = parting.trials, None
+    trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
     for begun in (kept, parting.by_squares(one, beside, 2)):
         if begun is None:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))
         found = trend(trials, begun, begun.fit.field, nothing, begun.u, *rest, bends=BENDS[:1])
-        if found is None:
-            continue
-        if best is None or found.gain_over(best) > 0.0:
-            found, best = best, found
         if found is not None:
-            trials.passed_over(found, f"scores {best.gain_over(found):+.1f} against a change on top of other lines")
-    if best is None:
+            tried.append(found)
+    if not tried:
         return kept
-    field = best.fit.field
-    best = trend(trials, best, field, field.grid_factor(), best.u, *rest, best=best, bends=BENDS[1:])
+    first = tried[-1] if tried[-1].gain_over(tried[0]) > 0.0 else tried[0]
+    for other in tried:
+        if other is not first:
+            trials.passed_over(other, f"scores {first.gain_over(other):+.1f} against a change on top of other lines")
+    field = first.fit.field
+    best = trend(trials, first, field, field.grid_factor(), first.u, *rest, best=first, bends=BENDS[1:])
     gain = best.gain_over(kept)
     if gain > EVIDENCE and best.halves(kept):
         trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change of all materials")
