@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 import scipy.linalg
-import scipy.stats
+import scipy.special
 from jaxtyping import Float
 
 #: Bounds of the roughness's weight, over those at which the smoothest and the roughest mode are halved.
@@ -118,7 +118,7 @@ def _kept(*arrays):
 def _limit(points: int, kinks: int) -> float:
     """Gain that some kinks together have by chance, anywhere along an edge, once in 700 edges."""
     anywhere = math.comb(max(points - 3, kinks), kinks)
-    return float(scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / anywhere, 2 * kinks))
+    return float(scipy.special.chdtri(2 * kinks, scipy.special.ndtr(-NEVER) / anywhere))
 
 
 def _pair(bent, amounts, hinges, kinks: list[int], gains, least: float) -> list[int] | None:

@@ -1,10 +1,13 @@
 """One table of a displacement file, read into columns."""
 
+import csv
 import re
+from io import StringIO
 from itertools import repeat
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
@@ -78,27 +81,22 @@ def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) ->
         return None
     if layout.decimal == ",":
         text = text.replace(",", ".")
-        rows = text.split("\n")
-    table = _loaded(rows, sign, columns)
-    return (
-        _loaded(_filled(text, sign).split("\n"), sign, columns) if table is None and blanks and sign != " " else table
-    )
-
-
-def _loaded(rows: list[str], sign: str, columns: list[int]) -> np.ndarray | None:
-    """Columns of numbers; None where a cell holds none."""
+    sign = r"\s+" if sign == " " else sign
+    absent = ["nan", "NaN", "NAN", *([""] if blanks else [])]
     try:
-        return np.loadtxt(rows, delimiter=None if sign == " " else sign, usecols=columns, comments=None, ndmin=2)
+        table = pd.read_csv(
+            StringIO(text),
+            sep=sign,
+            header=None,
+            usecols=columns,
+            quoting=csv.QUOTE_NONE,
+            na_values=absent,
+            keep_default_na=False,
+        )
     except ValueError:
         return None
-
-
-def _filled(text: str, sign: str) -> str:
-    """Text with nan in empty cells."""
-    # Twice, since neighbours share a delimiter.
-    for empty, number in 2 * ((sign + sign, f"{sign}nan{sign}"), (f"{sign}\n", f"{sign}nan\n")):
-        text = text.replace(empty, number)
-    return text + "nan" if text.endswith(sign) else text
+    numbers = all(kind.kind in "if" for kind in table.dtypes)
+    return table[columns].to_numpy(dtype=float) if numbers else None
 
 
 def _row_by_row(path: Path, number, rows, layout: Layout, columns: list[int], dialect: Dialect) -> np.ndarray:

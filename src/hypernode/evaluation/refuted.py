@@ -9,7 +9,7 @@ anywhere in a sheet follows from their distribution.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 import xarray as xr
 from jaxtyping import Bool, Float
 
@@ -68,7 +68,7 @@ def growth(
     mean = np.divide(around @ (projected**2).sum(axis=1), count, out=np.ones(len(count)), where=count > 0)
     # As if means around cells were independent: they overlap, so that chance does so less often.
     free = np.maximum(count * independent, 1.0)
-    limit = scipy.stats.chi2.isf(scipy.stats.norm.sf(NEVER) / len(count), free) / free
+    limit = scipy.special.chdtri(free, scipy.special.ndtr(-NEVER) / len(count)) / free
     return np.sqrt(np.maximum(mean - 1.0, 0.0) / power), (count > 0) & (mean > limit)
 
 

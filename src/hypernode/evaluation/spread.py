@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
@@ -102,7 +102,7 @@ def open_share_of_lines(constrained: xr.Dataset) -> Float[np.ndarray, " cell"]:
     """
     corners = constrained["interface_distance"].values[:, constrained["cells"].values]
     nearest = np.abs(corners.mean(axis=2)).min(axis=0)
-    odds = scipy.stats.norm.sf(nearest / max(float(constrained.attrs["line_error"]), np.finfo(float).tiny))
+    odds = scipy.special.ndtr(-nearest / max(float(constrained.attrs["line_error"]), np.finfo(float).tiny))
     return odds * (1.0 - odds)
 
 

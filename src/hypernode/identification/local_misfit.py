@@ -7,7 +7,7 @@ value that the largest of these means reaches by chance anywhere in the sheet.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from jaxtyping import Bool, Float
 
 from hypernode.identification.estimate import Estimate
@@ -55,9 +55,9 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     mean = np.divide(squares, count, out=np.full(len(count), np.nan), where=known)
     # Means around cells that share no node are independent: as many as there are nodes for each.
     places = max(nodes / np.median(np.diff(around.indptr)), 1.0)
-    alone = scipy.stats.norm.sf(strategy.never_by_chance) / places
+    alone = scipy.special.ndtr(-strategy.never_by_chance) / places
     share = observations.scatter**2
     independent = np.maximum(count * share, 1.0)
-    limit = scipy.stats.chi2.isf(alone, independent) / independent
+    limit = scipy.special.chdtri(independent, alone) / independent
     unexplained = known & (mean > limit * usual**2)
     return LocalMisfit(np.sqrt(mean) / usual, unexplained, by_node, share)

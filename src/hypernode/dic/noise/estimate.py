@@ -14,6 +14,8 @@ from hypernode.dic.noise.static import frames_at_rest, says_something, static_fi
 #: Noise of a reference over that of the other frames, below which it is the picture that they were compared with:
 #: noise of a sheet at rest is a tenth of that of a deformed one at least.
 _ROUNDING = 0.01
+#: Frames at most, spread over the test, whose noise the reference's is compared with.
+_COMPARED = 5
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,8 @@ def _without_rounding(displacement: Float[np.ndarray, "frame row column 2"]) -> 
     """
     if len(displacement) < 2 or not np.nan_to_num(displacement[0]).any():
         return displacement
-    (first,), later = local_fit(displacement[:1])[0], local_fit(displacement[1:])[0]
+    some = displacement[1 :: -(-len(displacement) // _COMPARED)]
+    (first,), later = local_fit(displacement[:1])[0], local_fit(some)[0]
     later = later[np.isfinite(later).all(axis=1)]
     if not len(later) or not (first < _ROUNDING * np.median(later, axis=0)).all():
         return displacement
