@@ -34,7 +34,7 @@ def stress_error(found, true):
 @pytest.mark.parametrize("mesh", ["measured_grid", pytest.param("finer", marks=pytest.mark.slow)])
 def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh):
     data, grid, true = sheet(12, square, LOAD, terms=())
-    found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square", STRATEGY)
+    found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square", STRATEGY).found
     inside = square(grid.centres)
     assert found.material_count == 2 and not found.layered
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
@@ -44,7 +44,7 @@ def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh)
 @pytest.mark.slow
 def test_noise_that_a_stranger_may_have_moves_no_cell():
     data, grid, true = sheet(12, square, LOAD, noise=5e-4, terms=())
-    found = of_parts(data, SETTINGS, "square", STRATEGY)
+    found = of_parts(data, SETTINGS, "square", STRATEGY).found
     inside = square(grid.centres)
     assert found.material_count == 2
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
@@ -55,7 +55,7 @@ def test_noise_that_a_stranger_may_have_moves_no_cell():
 def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same():
     data, grid, true = sheet(16, square, LOAD, terms=())
     strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
-    found = of_parts(data, SETTINGS, "square", strategy)
+    found = of_parts(data, SETTINGS, "square", strategy).found
     inside = square(grid.centres)
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
     assert stress_error(found, true) < 1e-3

@@ -1,5 +1,7 @@
 """A law that explains a test as well is not forgotten: what it says of other deformations is part of the doubt."""
 
+from types import SimpleNamespace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from hypernode.evaluation.doubt import farther_half
 from hypernode.identification.interface_search import of_parts
 from hypernode.identification.open_laws import open_laws, terms_left
 from hypernode.identification.settings import STRATEGY
-from hypernode.identification.volume import of_either, with_area
+from hypernode.identification.volume import Parts, of_either, with_area
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
 from hypernode.stages.constrained import OPEN_SAMPLES
@@ -51,7 +53,7 @@ def doubt(found, laws):
 def test_fibres_along_one_pull_are_within_two_spreads_equibiaxially():
     fibres = {"fibre_x": -0.6, "fibre_y": 0.0, "logit_dispersion": -3.0}
     data, true = observed(("fibre",), tuple(fibres.items()))
-    found = of_parts(data, SETTINGS, "pull", STRATEGY)
+    found = of_parts(data, SETTINGS, "pull", STRATEGY).found
     laws = open_laws(found, SETTINGS, OPEN_SAMPLES, 0)
     right = stress(ConvexBasis(("fibre",), SCALE), true)
     own = stress(found.basis, found.by_parts[:, 0, 0])
@@ -74,7 +76,7 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
         return of_parts(data, settings, "pull", STRATEGY)
 
     data, _ = observed(())
-    found = of_either(SETTINGS, search)
+    found = of_either(SETTINGS, search, cells=None)
     assert "J" not in found.basis.terms and sought == [SETTINGS.terms]
     assert not any("volume" in row["move"] for row in found.trace.rows(found.trial))
 
@@ -82,10 +84,23 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
 def test_a_sheet_that_changes_its_volume_is_found_to():
     area = {"log1p_J_area": np.log1p(0.8), "log1p_J_volume": np.log1p(0.2)}
     data, true = observed(("J",), tuple(area.items()), make_load("biaxial", [[1.06, 1.03], [1.12, 1.06], [1.2, 1.1]]))
-    found = of_either(SETTINGS, lambda settings: of_parts(data, settings, "sheet", STRATEGY))
+    found = of_either(SETTINGS, lambda settings: of_parts(data, settings, "sheet", STRATEGY), cells=None)
     assert "J" in found.basis.terms
     right = stress(found.basis, true)
     assert np.linalg.norm(stress(found.basis, found.by_parts[:, 0, 0]) - right) < 0.03 * np.linalg.norm(right)
+
+
+@pytest.mark.parametrize(("keeps_volume", "sought"), [(False, 2), (True, 1)])
+def test_laws_with_a_volume_are_not_sought_again_where_they_were_far_off(keeps_volume, sought):
+    laws = []
+    cells = SimpleNamespace(underfitted=False)
+
+    def search(settings):
+        laws.append(settings.terms)
+        return Parts(None, keeps_volume)
+
+    assert of_either(SETTINGS, search, lambda settings: cells) is cells
+    assert len(laws) == sought
 
 
 @pytest.mark.parametrize(("volume", "terms"), [("kept", ["I1_squared"]), ("told", ["J"])])

@@ -6,7 +6,7 @@ over all of it. Materials and lines cannot follow that, and bend to take a part 
 
 import numpy as np
 
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.gradual import BENDS
 from hypernode.identification.parting import Beside, Parting
 from hypernode.identification.trend import trend
@@ -26,7 +26,7 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
     for begun in (kept, parting.by_squares(one, beside, 2)):
-        if begun is None:
+        if begun is None or begun.level > NOT_MADE_OF_FEW * kept.level:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))
         found = trend(trials, begun, begun.fit.field, nothing, begun.u, *rest, bends=BENDS[:1])
@@ -38,8 +38,10 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     for other in tried:
         if other is not first:
             trials.passed_over(other, f"scores {first.gain_over(other):+.1f} against a change on top of other lines")
-    field = first.fit.field
-    best = trend(trials, first, field, field.grid_factor(), first.u, *rest, best=first, bends=BENDS[1:])
+    field, best = first.fit.field, first
+    # Smaller bends leave no less.
+    if first.halves(kept):
+        best = trend(trials, first, field, field.grid_factor(), first.u, *rest, best=first, bends=BENDS[1:])
     gain = best.gain_over(kept)
     if gain > EVIDENCE and best.halves(kept):
         trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change of all materials")

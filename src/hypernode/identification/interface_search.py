@@ -27,9 +27,11 @@ from hypernode.identification.merging import merged
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
+from hypernode.identification.pieces import with_pieces
+from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement, largest_and_half
-from hypernode.identification.volume import of_likelier_volume
+from hypernode.identification.volume import Parts, of_likelier_volume
 from hypernode.progress import say
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
@@ -40,10 +42,8 @@ CLOSER = 0.5
 ROUNDS = 2
 
 
-def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> InterfaceEstimate | None:
-    """The few materials and lines that explain a test; None where they do not, or where they are not sought.
-
-    They are sought where the configuration asks for layers.
+def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Parts:
+    """The few materials and lines that explain a test. They are sought where the configuration asks for layers.
 
     Args:
         measurement: an opened measurement.
@@ -54,24 +54,30 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
         ImpossibleForcesError: no sheet gives the forces.
     """
     if not settings.layers:
-        return None
-    found = Search(measurement, settings, name, strategy).end()
+        return Parts(None, False)
+    search = Search(measurement, settings, name, strategy)
+    found = search.end()
     if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
-        return None
-    return found
+        found = None
+    return Parts(found, search.keeps_volume)
 
 
 class Search:
-    """The search on one test."""
+    """The search on one test.
+
+    Attributes:
+        keeps_volume: of :class:`Parts`.
+    """
 
     def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
+        self.keeps_volume = False
         self._trials = Trials(measurement, settings, name, strategy)
         self._finds = information_of(measurement) is None and window_sought(measurement)
 
     def end(self) -> InterfaceEstimate | None:
         """The field of few materials; None where a field of cells may explain more."""
         found = self.found()
-        return None if found is None else self._answer(self._whole_cells(*found))
+        return None if found is None else self._answer(MosaicSearch(self._trials, self._steps).instead_of(*found))
 
     def found(self) -> tuple[Candidate, Candidate] | None:
         """(candidate that few load steps speak for, the same on finer elements); None where cells may explain more."""
@@ -81,9 +87,7 @@ class Search:
         if len(problem.mesh.cells) > trials.strategy.most_cells_at_once:
             return self._from_coarser_grid()
         check_forces(lambda *terms: trials.problem(terms), trials.settings, trials.name)
-        lines, u = Lines.of(problem.observations.grid, problem.refinement), homogeneous_displacement(problem)
-        field = Interfaces.homogeneous(lines, problem.homogeneous.params)
-        one = trials.descend("one material", None, problem, field, u, self._steps, NEAR)
+        one = self._one_material(problem)
         if one is None:
             return None
         kept, parting = one, Parting(trials, self._steps, self._finds)
@@ -104,7 +108,9 @@ class Search:
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
-        kept = of_likelier_volume(trials, kept, self._steps, self._finds)
+        if (pieced := with_pieces(parting, kept)) is not kept:
+            kept = self._merged(self._with_law(pieced))
+        kept, self.keeps_volume = of_likelier_volume(trials, kept, self._steps, self._finds)
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
         finer = self._merged(finer)
         if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
@@ -119,7 +125,7 @@ class Search:
                 return alone, alone
             trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
-            cells = self._whole_cells(kept, finer)
+            cells = MosaicSearch(trials, self._steps).instead_of(kept, finer)
             if cells is finer or cells.fit.misfit > NOT_MADE_OF_FEW * max(parting.by_cell, 1.0):
                 say("constrained", trials.name, "few materials leave far more than a factor in every cell")
                 return None
@@ -134,6 +140,11 @@ class Search:
             kept, finer = self._finer_and_plainer(self._merged(self._with_law(more)))
         return kept, finer
 
+    def _one_material(self, problem: FieldProblem) -> Candidate | None:
+        lines, u = Lines.of(problem.observations.grid, problem.refinement), homogeneous_displacement(problem)
+        field = Interfaces.homogeneous(lines, problem.homogeneous.params)
+        return self._trials.descend("one material", None, problem, field, u, self._steps, NEAR)
+
     def _finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
         """(a candidate, the same on finer elements), without terms that paid for what coarse elements miss."""
         finer = self._finer(kept)
@@ -147,7 +158,7 @@ class Search:
 
     def _of_one(self, alone: Candidate) -> Candidate:
         """One material with the likeliest law and volume."""
-        return of_likelier_volume(self._trials, self._with_law(alone), self._steps, self._finds)
+        return of_likelier_volume(self._trials, self._with_law(alone), self._steps, self._finds)[0]
 
     def _parted(self, one: Candidate, beside: Beside, parting: Parting) -> Candidate | None:
         """Materials from the largest load steps, or from the smallest where law and direction matter in the largest.
@@ -190,33 +201,12 @@ class Search:
         coarse = coarsened(trials.measurement)
         say("constrained", trials.name, f"{coarse.sizes['cell']} cells of every second grid line first")
         search = Search(coarse, trials.settings, trials.name, trials.strategy)
-        found = search.found()
+        found, self.keeps_volume = search.found(), search.keeps_volume
         if found is None:
             return None
         trials.after(search._trials)
         fine = on_measured_grid(trials, found[1], self._steps, self._finds)
         return None if fine is None else (fine, fine)
-
-    def _whole_cells(self, kept: Candidate, finer: Candidate) -> Candidate:
-        """The same materials of whole cells, if these explain more than lines do; else what lines ended with.
-
-        Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell,
-        unless whole cells leave more than noise.
-        """
-        field = kept.fit.field
-        if field.count == 1 or len(field.gradual) or isinstance(field, Mosaic):
-            return finer
-        trials = self._trials
-        found = MosaicSearch(trials, self._steps).near(kept, "whole cells of these materials")
-        if found is None:
-            return finer
-        if kept.problem.observations.own_grid and not found.leaves_more_than_noise:
-            trials.passed_over(finer, "cuts cells of the mesh that displacements are stated to be of")
-            return found
-        gain = found.gain_over(finer)
-        best, other, word = (found, finer, "whole cells") if gain > 0.0 else (finer, found, "lines")
-        trials.passed_over(other, f"scores {abs(gain):+.1f} against {word}")
-        return best
 
     def _answer(self, kept: Candidate) -> InterfaceEstimate | None:
         if isinstance(kept.fit.field, Mosaic):

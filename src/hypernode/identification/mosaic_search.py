@@ -84,6 +84,26 @@ class MosaicSearch:
             return found
         return self._settled(found)
 
+    def instead_of(self, kept: Candidate, finer: Candidate) -> Candidate:
+        """The same materials of whole cells, if these explain more than lines do; else what lines ended with.
+
+        Where it is stated that displacements are those of finite elements on the grid, no line cuts a cell,
+        unless whole cells leave more than noise.
+        """
+        field = kept.fit.field
+        if field.count == 1 or len(field.gradual) or isinstance(field, Mosaic):
+            return finer
+        trials, found = self._trials, self.near(kept, "whole cells of these materials")
+        if found is None:
+            return finer
+        if kept.problem.observations.own_grid and not found.leaves_more_than_noise:
+            trials.passed_over(finer, "cuts cells of the mesh that displacements are stated to be of")
+            return found
+        gain = found.gain_over(finer)
+        best, other, word = (found, finer, "whole cells") if gain > 0.0 else (finer, found, "lines")
+        trials.passed_over(other, f"scores {abs(gain):+.1f} against {word}")
+        return best
+
     def _settled(self, kept: Candidate) -> Candidate:
         """The same once no cell at a contour would rather be of another material."""
         for _ in range(ROUNDS):

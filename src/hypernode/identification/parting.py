@@ -8,6 +8,7 @@ explains more of the test than its numbers cost. One material that changes gradu
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
@@ -62,10 +63,24 @@ class Beside(NamedTuple):
         Args:
             squared: of :func:`~hypernode.identification.partition.levels`.
         """
-        known, columns = self.known, self.columns
-        of_materials = known.materials[:, columns].copy()
-        of_materials[:, 0] = stiffness_of(self.problem, known.materials)
-        return parts(of_materials[known.labels()] + self.found.values, count, known, columns, of_materials, squared)
+        numbers = self._of_materials[self.known.labels()] + self.found.values
+        return parts(numbers, count, self.known, self.columns, self._of_materials, squared)
+
+    def towards(self, way: float) -> Int[np.ndarray, " cell"]:
+        """The material towards which the numbers of every cell go at least so far of the way; else its own.
+
+        Args:
+            way: share of the distance between two materials.
+        """
+        numbers = self._of_materials[self.known.labels()] + 0.5 / way * self.found.values
+        return np.linalg.norm(numbers[:, None] - self._of_materials, axis=2).argmin(axis=1)
+
+    @property
+    def _of_materials(self) -> Float[np.ndarray, "material number"]:
+        """The stiffness of every material, and its own values of the other numbers."""
+        numbers = self.known.materials[:, self.columns].copy()
+        numbers[:, 0] = stiffness_of(self.problem, self.known.materials)
+        return numbers
 
 
 class Parting:
@@ -79,7 +94,7 @@ class Parting:
 
     def __init__(self, trials: Trials, steps: list[int], finds_window: bool, small: bool = False):
         self.trials, self.steps, self.finds_window, self._small = trials, steps, finds_window, small
-        #: What a factor in every cell leaves of the displacements, once one was fitted.
+        #: What a factor in every cell on top of one material leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
 
     def beside(self, begun: Candidate) -> Beside:
@@ -142,7 +157,8 @@ class Parting:
             return beside
         found = beside._replace(found=beside.descent.of_cells(beside.found))
         self._tell(found, "cells near jumps")
-        self.by_cell = min(self.by_cell, found.found.misfit)
+        if beside.known.count == 1:
+            self.by_cell = min(self.by_cell, found.found.misfit)
         return found
 
     def _tell(self, beside: Beside, where: str) -> None:

@@ -19,7 +19,7 @@ from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.interface_search import of_parts
 from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
-from hypernode.identification.volume import of_cells_of_either, of_either
+from hypernode.identification.volume import of_either
 from hypernode.progress import say
 from hypernode.trace import table
 from hypernode.verdict import Ending
@@ -37,8 +37,11 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
         IdentificationError: no equilibrium at the homogeneous start.
         ImpossibleForcesError: no sheet gives the forces.
     """
-    found = of_either(settings, lambda each: of_parts(measurement, each, name, strategy))
-    found = found or of_cells_of_either(settings, lambda each: of_cells(measurement, each, name, strategy))
+    found = of_either(
+        settings,
+        lambda each: of_parts(measurement, each, name, strategy),
+        lambda each: of_cells(measurement, each, name, strategy),
+    )
     for line in table(found.trace.rows(found.trial)):
         say("constrained", name, line)
     _warn(found, settings, name)

@@ -7,6 +7,7 @@ materials of a kept volume explain the test, the search begins again with such l
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
@@ -18,6 +19,18 @@ from hypernode.identification.trials import NEAR, Trials
 
 #: Steps after which a law with J that leaves far more than the one without is given up.
 FEW_STEPS = 3
+
+
+class Parts(NamedTuple):
+    """What a search for few materials ended with.
+
+    Attributes:
+        found: the field; None where few materials do not explain the test, or where they are not sought.
+        keeps_volume: whether no law with J came near, so that none is sought further.
+    """
+
+    found: InterfaceEstimate | None
+    keeps_volume: bool
 
 
 def with_area(settings: Constrained) -> Constrained | None:
@@ -37,23 +50,24 @@ def may_stand_for_area(kept: Candidate) -> bool:
     return bool(set(kept.terms) & {*OF_THICKNESS, "fibre"}) or kept.leaves_more_than_noise
 
 
-def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
-    """A candidate, or the same materials of a law with J where that is likelier.
+def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> tuple[Candidate, bool]:
+    """(a candidate, or the same materials of a law with J where that is likelier; whether J leaves far more).
 
     Args:
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
     """
     if with_area(trials.settings) is None or kept.leaves_nothing or not may_stand_for_area(kept):
-        return kept
+        return kept, False
     problem, field = trials.problem(["J"], kept.subcells), kept.fit.field
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     materials = translated(field.materials, kept.problem, problem, begin)
     law = problem, field.with_law(materials), kept.u, steps
     found = trials.descend("a volume that changes", kept, *law, FEW_STEPS, kept.fit.window, finds_window)
     if found is None:
-        return kept
-    if found.level <= NOT_MADE_OF_FEW * max(kept.level, 1.0):
+        return kept, False
+    far = found.level > NOT_MADE_OF_FEW * max(kept.level, 1.0)
+    if not far:
         law = problem, found.fit.field, found.u, steps
         found = trials.descend("the same, more steps", found, *law, NEAR, found.fit.window, finds_window) or found
         found = LawSearch(trials, steps, finds_window).end(found)
@@ -61,24 +75,26 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     best, passed = (found, kept) if gain > EVIDENCE and not kept.halves(found) else (kept, found)
     why = f"scores {abs(gain):+.1f} against" if (gain > 0.0) == (best is found) else "leaves twice the squares of"
     trials.passed_over(passed, f"{why} a law that says otherwise of the volume")
-    return best
+    return best, far
 
 
 def of_either(
-    settings: Constrained, search: Callable[[Constrained], InterfaceEstimate | None]
-) -> InterfaceEstimate | None:
-    """The field of few materials that a search finds, with laws that change the volume where others explain nothing.
+    settings: Constrained, parts: Callable[[Constrained], Parts], cells: Callable[[Constrained], Estimate]
+) -> Estimate:
+    """The field of few materials, or of cells, with a law that keeps the volume or with one that changes it.
+
+    Laws with J are tried where others explain nothing, unless they were far off already.
 
     Args:
-        search: what finds a field of few materials; None where they do not explain the test.
+        parts, cells: searches for either field.
     """
-    kept, other = search(settings), with_area(settings)
-    return search(other) if kept is None and other is not None else kept
-
-
-def of_cells_of_either(settings: Constrained, search: Callable[[Constrained], Estimate]) -> Estimate:
-    """A field of cells whose law keeps the volume; where it does not explain the test, the likelier one with J."""
-    kept, other = search(settings), with_area(settings)
+    found, keeps_volume = parts(settings)
+    other = None if keeps_volume else with_area(settings)
+    if found is None and other is not None:
+        found = parts(other).found
+    if found is not None:
+        return found
+    kept = cells(settings)
     if other is None or not settings.layers or not kept.underfitted:
         return kept
-    return likeliest(kept, search(other.model_copy(update={"further_terms": []})))
+    return likeliest(kept, cells(other.model_copy(update={"further_terms": []})))
