@@ -30,7 +30,8 @@ def test_a_sliver_at_the_edge_becomes_a_piece_where_there_is_one(missed):
     materials = np.tile(problem.homogeneous.params, (2, 1))
     materials[1, 0] += np.log(2.0)
     kept = trials.descend("a disc", one, problem, Interfaces.around(lines, materials, labels), one.u, steps, 2 * NEAR)
-    found = with_pieces(Parting(trials, steps, False), kept)
+    parting = Parting(trials, steps, False)
+    found = with_pieces(parting, kept, parting.in_cells(parting.beside(kept)))
     assert (found is not kept) == missed
     if missed:
         above = found.fit.field.distances.reshape(CELLS + 1, CELLS + 1)[-1] > 0.0

@@ -24,10 +24,10 @@ from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.merging import merged
+from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
-from hypernode.identification.pieces import with_pieces
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
 from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement, largest_and_half
@@ -108,8 +108,8 @@ class Search:
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
-        if (pieced := with_pieces(parting, kept)) is not kept:
-            kept = self._merged(self._with_law(pieced))
+        if kept.fit.field.count > 1 and (more := with_what_is_missing(parting, one, beside, kept)) is not kept:
+            kept = self._merged(self._with_law(more))
         kept, self.keeps_volume = of_likelier_volume(trials, kept, self._steps, self._finds)
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
         finer = self._merged(finer)

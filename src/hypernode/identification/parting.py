@@ -190,8 +190,7 @@ class Parting:
             if found is None:
                 continue
             gain = found.gain_over(kept)
-            if gain > EVIDENCE or (self._small and found.halves(kept)):
-                why = f"scores {gain:+.1f} against" if gain > EVIDENCE else "leaves twice the squares of"
+            if why := self._why_more(found, kept):
                 trials.passed_over(kept, f"{why} {count} materials")
                 kept = found
             else:
@@ -206,6 +205,18 @@ class Parting:
         if len(kept.fit.field.gradual):
             return kept
         return merged(trials, kept, self.steps, self.finds_window)
+
+    def _why_more(self, found: Candidate, kept: Candidate) -> str:
+        """Why a candidate of more materials is kept, in words; empty where it is not.
+
+        What small steps leave of one material says nothing of the law. Residuals of a law that lacks a term count as
+        few independent numbers. So it may halve the squares instead of scoring better.
+        """
+        gain = found.gain_over(kept)
+        if gain > EVIDENCE:
+            return f"scores {gain:+.1f} against"
+        halves = (self._small or kept.fit.field.count > 1) and found.halves(kept)
+        return "leaves twice the squares of" if halves else ""
 
     def _descend(self, move: str, begun: Candidate, beside: Beside, field: Interfaces, u) -> Candidate | None:
         """Materials and lines from where they were cut out of numbers in every cell."""

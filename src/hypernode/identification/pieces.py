@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.parting import Parting
+from hypernode.identification.parting import Beside, Parting
 from hypernode.identification.trials import FAR
 
 #: How far towards another material the factor of a cell goes from which a part of the cell may be of that material.
@@ -21,20 +21,18 @@ WAY = 1.0 / 3.0
 REACHES = 0.8
 
 
-def with_pieces(parting: Parting, kept: Candidate) -> Candidate:
-    """A candidate of several materials, with more pieces of them where it leaves mostly no noise.
+def with_pieces(parting: Parting, kept: Candidate, beside: Beside) -> Candidate:
+    """A candidate with more pieces of its materials, if it is better.
 
     A cell whose factor, on top of what is known, makes it nearly as stiff as another material becomes a piece of that
     one. All such pieces are tried together, and their lines move.
 
     Args:
         kept: on elements of the grid.
+        beside: a factor in every cell on top of it.
     """
     field, trials = kept.fit.field, parting.trials
-    if field.count == 1 or len(field.gradual) or not kept.leaves_mostly_no_noise:
-        return kept
-    beside = parting.in_cells(parting.beside(kept))
-    labels = field.labels() if beside.found is None else beside.towards(WAY)
+    labels = beside.towards(WAY)
     if (labels == field.labels()).all():
         return kept
     added, window = _added(field, labels), kept.fit.window
