@@ -5,7 +5,10 @@ of a law.
 """
 
 import copy
+import functools
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -35,7 +38,7 @@ class FieldProblem:
 
     Attributes:
         basis: the law whose parameters the field holds, a convex basis unless said otherwise.
-        homogeneous: the homogeneous material that the test is closest to; None where no descent begins at it.
+        homogeneous: the homogeneous material that the test is closest to, fitted when it is first asked for.
         forces: measured resultants.
     """
 
@@ -45,12 +48,12 @@ class FieldProblem:
         observations: Observations,
         basis: PointLaw,
         equilibrium: FieldEquilibrium,
-        homogeneous: Homogeneous | None = None,
+        fit: Callable[[], Homogeneous] | None = None,
         forces: list[EdgeForce],
         strategy: Strategy,
     ):
         self.observations, self.basis, self.equilibrium = observations, basis, equilibrium
-        self.homogeneous, self.forces, self.strategy = homogeneous, forces, strategy
+        self._fit, self.forces, self.strategy = fit, forces, strategy
         self._mean_F = jnp.asarray(observations.mean_F)
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
         self._shares = self._shares_of_steps()
@@ -61,6 +64,11 @@ class FieldProblem:
         self._rows = np.repeat(self.mesh.dofs[:, :, None], count, axis=2).ravel()
         columns = np.arange(cells)[:, None] * count + np.arange(count)
         self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
+
+    @property
+    def homogeneous(self) -> Homogeneous | None:
+        """The homogeneous material that the test is closest to; None where no descent begins at it."""
+        return None if self._fit is None else self._fit()
 
     @property
     def refinement(self) -> Refinement:
@@ -192,7 +200,8 @@ def field_problem(
         observations=observations,
         basis=basis,
         equilibrium=equilibrium,
-        homogeneous=fit_homogeneous(observations, basis, equilibrium, strategy),
+        # All problems that are made of this one share the fit.
+        fit=functools.cache(partial(fit_homogeneous, observations, basis, equilibrium, strategy)),
         forces=_forces(measurement, observations, settings, strategy),
         strategy=strategy,
     )
@@ -204,7 +213,7 @@ def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
         observations=problem.observations,
         basis=law,
         equilibrium=FieldEquilibrium.of(problem.observations, law, problem.strategy),
-        homogeneous=problem.homogeneous,
+        fit=problem._fit,
         forces=problem.forces,
         strategy=problem.strategy,
     )
