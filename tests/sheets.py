@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from hypernode.fem.mesh import EDGE_NAMES, rectilinear
-from hypernode.fem.solver import EquilibriumSolver
+from hypernode.fem.solver import EquilibriumSolver, law_stress
 from hypernode.identification.camera import window_average
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.synthetic.forward import resultants
@@ -21,7 +21,7 @@ def finite_elements(cells, terms):
     lines = np.linspace(0.0, 1.0, cells + 1)
     mesh = rectilinear(lines, lines)
     start = {"params": np.tile(basis.start, (len(mesh.cells), 1))}
-    return basis, mesh, EquilibriumSolver(mesh, lambda F, p: basis.stress(F, p["params"]), start)
+    return basis, mesh, EquilibriumSolver(mesh, law_stress(basis), start)
 
 
 def sheet(cells, inclusion, load, noise=0.0, window=0.0, terms=("I1_squared",), seed=5, values=(), inside=None):

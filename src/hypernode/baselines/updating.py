@@ -20,7 +20,7 @@ from hypernode.baselines.equilibrium_gap import NEO_HOOKEAN, BaselineError, unit
 from hypernode.data.loading import Loading
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh, tied_edge
-from hypernode.fem.solver import Equilibrium, EquilibriumSolver
+from hypernode.fem.solver import Equilibrium, EquilibriumSolver, law_stress
 
 #: Misfits of one hundredth count as one.
 PERCENT = 0.01
@@ -36,9 +36,7 @@ class Sheet:
 
     def __init__(self, mesh: Mesh, loading: Loading, u: Float[np.ndarray, "step node 2"], noise: float):
         self.mesh, self.loading, self.u = mesh, loading, u
-        self._solver = EquilibriumSolver(
-            mesh, lambda F, p: NEO_HOOKEAN.stress(F, p["params"]), {"params": jnp.zeros((len(mesh.cells), 1))}
-        )
+        self._solver = EquilibriumSolver(mesh, law_stress(NEO_HOOKEAN), {"params": jnp.zeros((len(mesh.cells), 1))})
         affine = np.concatenate([mesh.nodes, np.ones((len(mesh.nodes), 1))], axis=1)
         bent = np.stack([np.linalg.norm(each - affine @ np.linalg.lstsq(affine, each)[0]) for each in u])
         self._size = np.hypot(PERCENT * bent, noise * np.sqrt(u[0].size))

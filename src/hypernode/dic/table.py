@@ -7,7 +7,6 @@ from itertools import repeat
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from hypernode.dic.dialect import NOT_A_NUMBER, Dialect
 from hypernode.dic.errors import DicError
@@ -84,6 +83,8 @@ def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) ->
     sign = r"\s+" if sign == " " else sign
     absent = ["nan", "NaN", "NAN", *([""] if blanks else [])]
     try:
+        import pandas as pd
+
         table = pd.read_csv(
             StringIO(text),
             sep=sign,

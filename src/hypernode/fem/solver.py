@@ -5,6 +5,7 @@ This is the only module that imports ``jax_fem``. Its ``problem`` and ``fe`` mod
 """
 
 import contextlib
+import functools
 import io
 import logging
 import sys
@@ -19,11 +20,13 @@ import scipy.sparse
 from jaxtyping import Array, Float
 
 from hypernode.errors import ExpectedError
+from hypernode.fem.cells import cell_forces, filled
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.mechanics.closed_forms import energy_derivatives
 from hypernode.mechanics.kinematics import invariants
 from hypernode.mechanics.loads import Load
+from hypernode.mechanics.point_law import PointLaw
 from hypernode.mechanics.stress import first_piola_kirchhoff
 
 MAX_ITERATIONS = 20
@@ -73,60 +76,23 @@ class EquilibriumSolver:
     """
 
     def __init__(self, mesh: Mesh, stress: Callable, point_parameters: Mapping):
-        jax_fem = _import_jax_fem()
-        names = tuple(point_parameters)
-
-        class Sheet(jax_fem.problem.Problem):
-            def get_tensor_map(self):
-                def tensor_map(grad_u, *values):
-                    return stress(grad_u + jnp.eye(2), dict(zip(names, values, strict=True)))
-
-                return tensor_map
-
-            def pre_jit_fns(self):
-                super().pre_jit_fns()
-                self.kernel_jac = jax.jit(jax.vmap(cell_tangent))
-
-            def split_and_compute_cell(self, cells_sol_flat, np_version, jac_flag, internal_vars):
-                # One compiled call: the twenty slices that spare a small device's memory take as long again.
-                kernel = self.kernel_jac if jac_flag else self.kernel
-                return kernel(cells_sol_flat, *self.geometry, *internal_vars)
-
-        def cell_tangent(u, points, gradient, weight, weighted_gradient, *values):
-            """(nodal forces (8,), their derivative (8, 8)) of one cell, by the chain rule through F.
-
-            Four derivatives at a quadrature point, of P with respect to F, where JAX-FEM takes eight of the
-            whole cell, one a nodal displacement.
-            """
-
-            def stress_at(F, *values):
-                P = stress(F, dict(zip(names, values, strict=True)))
-                return P, P
-
-            F = jnp.eye(2) + jnp.einsum("ai,qaJ->qiJ", u.reshape(4, 2), gradient)
-            A, P = jax.vmap(jax.jacfwd(stress_at, has_aux=True))(F, *values)
-            force = jnp.einsum("q,qaJ,qiJ->ai", weight[0], gradient, P)
-            stiffness = jnp.einsum("q,qaJ,qiJkL,qbL->aibk", weight[0], gradient, A, gradient)
-            return force.ravel(), stiffness.reshape(8, 8)
-
         if not jax.config.jax_enable_x64:
             raise RuntimeError("finite elements need float64: enable jax_enable_x64 first")
+        jax_fem = _import_jax_fem()
         self.mesh = mesh
         mesh_fem = jax_fem.generate_mesh.Mesh(mesh.nodes, mesh.cells, ele_type="QUAD4")
-        self._problem = Sheet(mesh_fem, vec=2, dim=2, ele_type="QUAD4", gauss_order=2)
-        self.set_parameters(point_parameters)
-        problem = self._problem
-        geometry = problem.physical_quad_points, problem.shape_grads, problem.JxW, problem.v_grads_JxW
-        problem.geometry = tuple(map(jnp.asarray, geometry))
+        problem = self._problem = jax_fem.problem.Problem(mesh_fem, vec=2, dim=2, ele_type="QUAD4", gauss_order=2)
         self._dofs = (2 * mesh.cells[:, :, None] + np.arange(2)).reshape(len(mesh.cells), -1)
-        self._residual = jax.jit(lambda u, values: problem.compute_residual_vars([u], values, [])[0])
+        self._filled = filled(len(mesh.cells))
+        self._geometry = [
+            jnp.asarray(np.asarray(each)[self._filled]) for each in (problem.shape_grads, problem.JxW[:, 0])
+        ]
+        self._forces, self._tangent = cell_forces(stress, tuple(point_parameters))
+        self.set_parameters(point_parameters)
 
     def set_parameters(self, point_parameters: Mapping) -> None:
         """Replace the material parameters; shapes must stay the same."""
-        quads = self._problem.fes[0].num_quads
-        self._problem.internal_vars = [
-            jnp.repeat(jnp.asarray(value)[:, None], quads, axis=1) for value in point_parameters.values()
-        ]
+        self._parameters = [jnp.asarray(np.asarray(value)[self._filled]) for value in point_parameters.values()]
 
     @property
     def shape_gradients(self) -> tuple[Array, Array]:
@@ -145,15 +111,24 @@ class EquilibriumSolver:
 
     def internal_force(self, u: Float[np.ndarray, "node 2"]) -> Float[np.ndarray, "node 2"]:
         """Nodal forces that hold the sheet in the state ``u``, per unit thickness."""
-        return np.asarray(self._residual(jnp.asarray(u), self._problem.internal_vars))
+        return self._assembled(self._of_cells(self._forces, u)).reshape(np.shape(u))
 
     def tangent(self, u: Float[np.ndarray, "node 2"]):
         """(nodal forces as a flat vector, sparse tangent stiffness) in the state ``u``."""
-        problem, dofs = self._problem, np.size(u)
-        forces, stiffness = problem.split_and_compute_cell(np.ravel(u)[self._dofs], np, True, problem.internal_vars)
-        residual = np.bincount(self._dofs.ravel(), np.ravel(forces), dofs)
-        K = scipy.sparse.coo_matrix((np.ravel(stiffness), (problem.I, problem.J)), (dofs, dofs))
-        return residual, K.tocsc()
+        problem, count, cells = self._problem, np.size(u), len(self._dofs)
+        forces, stiffness = self._of_cells(self._tangent, u)
+        K = np.ravel(np.asarray(stiffness)[:cells])
+        K = scipy.sparse.coo_matrix((K, (problem.I, problem.J)), (count, count))
+        return self._assembled(forces), K.tocsc()
+
+    def _of_cells(self, function, u):
+        """What a compiled function makes of every cell, and of those that fill them up."""
+        return function(np.ravel(u)[self._dofs][self._filled], *self._geometry, *self._parameters)
+
+    def _assembled(self, forces) -> np.ndarray:
+        """Nodal forces as a flat vector, of those of cells."""
+        count, cells = self.mesh.nodes.size, len(self._dofs)
+        return np.bincount(self._dofs.ravel(), np.ravel(np.asarray(forces)[:cells]), count)
 
     def constrained_dofs(self, load: Load) -> np.ndarray:
         """Flat numbers (2 node + component) of the constrained degrees of freedom.
@@ -252,6 +227,13 @@ class EquilibriumSolver:
         }
 
 
+@functools.lru_cache(maxsize=16)
+def law_stress(law: PointLaw) -> Callable:
+    """P(F, params) at one point of a law whose parameters are ``params["params"]``; one function for one law."""
+    return lambda F, params: law.stress(F, params["params"])
+
+
+@functools.lru_cache(maxsize=16)
 def closed_form_stress(models: tuple[str, ...]) -> Callable:
     """P(F, params) at one point for a field whose points belong to one of ``models``."""
 
@@ -263,4 +245,4 @@ def closed_form_stress(models: tuple[str, ...]) -> Callable:
     return stress
 
 
-__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress"]
+__all__ = ["ConvergenceError", "EquilibriumSolver", "closed_form_stress", "law_stress"]

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
-from hypernode.fem.solver import EquilibriumSolver
+from hypernode.fem.solver import EquilibriumSolver, law_stress
 from hypernode.identification.boundary import Boundary
 from hypernode.identification.observations import Observations
 from hypernode.identification.settings import Strategy
@@ -53,7 +53,7 @@ class FieldEquilibrium:
         self._log_thickness = np.log(relative_thickness)
         self._solver = EquilibriumSolver(
             mesh,
-            lambda F, p: law.stress(F, p["params"]),
+            law_stress(law),
             {"params": np.tile(law.start, (len(mesh.cells), 1))},
         )
 

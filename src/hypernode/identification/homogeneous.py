@@ -1,5 +1,6 @@
 """The homogeneous start of a descent, and the misfit of the forces with one material of the basis."""
 
+import functools
 from dataclasses import dataclass
 from functools import partial
 
@@ -35,6 +36,16 @@ class Homogeneous:
     force_misfit: Float[np.ndarray, " case"]
 
 
+@functools.cache
+def _compiled(basis: ConvexBasis):
+    """(misfit of mean stresses over their scale, its derivative by the parameters); data are arguments of both."""
+
+    def relative(params, target, mean_F, scale):
+        return (basis.stress(mean_F, params[:, None]) - target) / scale
+
+    return jax.jit(relative), jax.jit(jax.jacfwd(relative))
+
+
 def fit_homogeneous(
     observations: Observations, basis: ConvexBasis, equilibrium: FieldEquilibrium, strategy: Strategy
 ) -> Homogeneous:
@@ -48,13 +59,7 @@ def fit_homogeneous(
     start = basis.start
     start[0] = np.log(FIRST_LEVEL * loading.scale.max())
 
-    def relative(params, target, mean_F, scale):
-        return (basis.stress(mean_F, params[:, None]) - target) / scale
-
-    # Data are arguments, so that load cases of as many steps share what is compiled.
-    value, derivative = (
-        partial(jax.jit(function), mean_F=mean_F, scale=loading.scale) for function in (relative, jax.jacfwd(relative))
-    )
+    value, derivative = (partial(each, mean_F=mean_F, scale=loading.scale) for each in _compiled(basis))
 
     def measured(values, steps):
         return np.asarray(values)[:, :, steps][known[:, :, steps]]

@@ -5,9 +5,11 @@ of a law.
 """
 
 import copy
+import functools
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.sparse
@@ -15,8 +17,10 @@ from jaxtyping import Float, Int
 
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import force_uncertainty
+from hypernode.fem.cells import filled
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
+from hypernode.identification.cellwise import cell_sensitivity, log_stress
 from hypernode.identification.equilibrium import FieldEquilibrium, State
 from hypernode.identification.homogeneous import Homogeneous, fit_homogeneous
 from hypernode.identification.observations import Observations, observe
@@ -26,16 +30,13 @@ from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.point_law import PointLaw
 
-#: Nodal forces of a bilinear cell.
-CELL_FORCES = 8
-
 
 class FieldProblem:
     """The observations of a test and the equilibrium that ties a material field to them; see :func:`field_problem`.
 
     Attributes:
         basis: the law whose parameters the field holds, a convex basis unless said otherwise.
-        homogeneous: the homogeneous material that the test is closest to; None where no descent begins at it.
+        homogeneous: the homogeneous material that the test is closest to, fitted when it is first asked for.
         forces: measured resultants.
     """
 
@@ -45,22 +46,26 @@ class FieldProblem:
         observations: Observations,
         basis: PointLaw,
         equilibrium: FieldEquilibrium,
-        homogeneous: Homogeneous | None = None,
+        fit: Callable[[], Homogeneous] | None = None,
         forces: list[EdgeForce],
         strategy: Strategy,
     ):
         self.observations, self.basis, self.equilibrium = observations, basis, equilibrium
-        self.homogeneous, self.forces, self.strategy = homogeneous, forces, strategy
-        self._mean_F = jnp.asarray(observations.mean_F)
+        self._fit, self.forces, self.strategy = fit, forces, strategy
+        self._mean = jnp.asarray(observations.mean_F), observations.loading.scale
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
         self._shares = self._shares_of_steps()
-        self._sensitivity = jax.jit(jax.vmap(self._cell_sensitivity))
-        self._stiffness = jax.jit(jax.vmap(jax.value_and_grad(self._log_stress)))
-        self._gradients, self._weights = equilibrium.shape_gradients
         cells, count = len(self.mesh.cells), len(basis.names)
+        self._filled = filled(cells)
+        self._geometry = [np.asarray(each)[self._filled] for each in equilibrium.shape_gradients]
         self._rows = np.repeat(self.mesh.dofs[:, :, None], count, axis=2).ravel()
         columns = np.arange(cells)[:, None] * count + np.arange(count)
         self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
+
+    @property
+    def homogeneous(self) -> Homogeneous | None:
+        """The homogeneous material that the test is closest to; None where no descent begins at it."""
+        return None if self._fit is None else self._fit()
 
     @property
     def refinement(self) -> Refinement:
@@ -115,21 +120,6 @@ class FieldProblem:
     def _shares_of_steps(self):
         return _quadrature(self.observations) if self.noisy else np.ones(len(self.observations.u))
 
-    def _cell_sensitivity(self, u, params, gradient, weight):
-        """d(nodal forces)/d(parameters) of one cell (8, parameter)."""
-
-        def nodal(params):
-            F = jnp.eye(2)[:, :, None] + jnp.einsum("ai,qaJ->iJq", u, gradient)
-            return jnp.einsum("q,qaJ,iJq->ai", weight, gradient, self.basis.stress(F, params[:, None])).ravel()
-
-        # One pass a parameter, or one a nodal force, whichever are fewer.
-        return (jax.jacfwd if len(params) <= CELL_FORCES else jax.jacrev)(nodal)(params)
-
-    def _log_stress(self, params):
-        """Logarithm of the size of the stress under the mean deformation of the sheet, every step over its scale."""
-        P = self.basis.stress(self._mean_F, params[:, None]) / self.observations.loading.scale
-        return 0.5 * jnp.log(jnp.sum(P**2))
-
     def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "FieldProblem":
         """The same with some of its load steps: their displacements, forces and boundaries, as uncertain as before."""
         place = {int(step): number for number, step in enumerate(steps)}
@@ -142,8 +132,8 @@ class FieldProblem:
 
     def stiffness(self, params: Float[np.ndarray, "cell parameter"]):
         """(logarithm of the stress under the mean deformation of the sheet (cell,), its derivative)."""
-        value, derivative = self._stiffness(params)
-        return np.asarray(value), np.asarray(derivative)
+        value, derivative = log_stress(self.basis)(params[filled(len(params))], *self._mean)
+        return np.asarray(value)[: len(params)], np.asarray(derivative)[: len(params)]
 
     def residuals(self, states: list[State]) -> tuple[list[np.ndarray], np.ndarray]:
         """(misfit of the observed displacements by step, misfit of the forces over their uncertainty)."""
@@ -158,8 +148,9 @@ class FieldProblem:
         tangents = self.equilibrium.tangents(params, [state.u for state in states])
         params, steps = self.equilibrium.of_sheet(params), []
         for number, (state, K, boundary) in enumerate(zip(states, tangents, self.observations.boundaries, strict=True)):
-            cellwise = self._sensitivity(jnp.asarray(state.u)[self.mesh.cells], params, self._gradients, self._weights)
-            B = scipy.sparse.csr_matrix((np.asarray(cellwise).ravel(), (self._rows, self._columns)), shape)
+            given = state.u[self.mesh.cells][self._filled], params[self._filled], *self._geometry
+            cellwise = np.asarray(cell_sensitivity(self.basis)(*given))[: len(params)]
+            B = scipy.sparse.csr_matrix((cellwise.ravel(), (self._rows, self._columns)), shape)
             forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
             seen = boundary.observe / sigma
             steps.append(StepJacobian(K=K, B=B, free=state.free, observe=seen, forces=forces, errors=boundary.errors))
@@ -192,7 +183,8 @@ def field_problem(
         observations=observations,
         basis=basis,
         equilibrium=equilibrium,
-        homogeneous=fit_homogeneous(observations, basis, equilibrium, strategy),
+        # All problems that are made of this one share the fit.
+        fit=functools.cache(partial(fit_homogeneous, observations, basis, equilibrium, strategy)),
         forces=_forces(measurement, observations, settings, strategy),
         strategy=strategy,
     )
@@ -204,7 +196,7 @@ def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
         observations=problem.observations,
         basis=law,
         equilibrium=FieldEquilibrium.of(problem.observations, law, problem.strategy),
-        homogeneous=problem.homogeneous,
+        fit=problem._fit,
         forces=problem.forces,
         strategy=problem.strategy,
     )

@@ -1,5 +1,6 @@
 """The name and the unit of a column of a record, in the ways in which programs write them in one cell."""
 
+import functools
 import re
 
 from hypernode.dic.forces.dialects import FORCE_UNITS, LENGTH_UNITS, STRESS_UNITS, TIME_UNITS, VOLTS
@@ -11,6 +12,8 @@ _SIGN = re.compile(r"^(?P<name>.+?)\s*(?:/|,|\s+in\s|\s)\s*(?P<unit>[^\s/,]+)$")
 _UNITS = {*TIME_UNITS, *FORCE_UNITS, *LENGTH_UNITS, *STRESS_UNITS, *VOLTS}
 
 
+# Every dialect asks for the same cells.
+@functools.lru_cache(maxsize=4096)
 def name_and_unit(cell: str, units: str) -> tuple[str, str]:
     """(name in lower case, unit, empty where there is none) of a column.
 

@@ -54,14 +54,17 @@ def read_table(path: Path, wanted: str | None, channels: Sequence[str] = (), tim
         raise DicError(f"{path}: no force format {wanted!r}; there are {names}")
     cuts: dict[str, list[Row]] = {}
     for text in readings(path):
+        cut: dict[str, list[Row]] = {}
         for each, delimiter in ((dialect, sign) for dialect in known for sign in dialect.delimiters):
-            rows = _cut(path, text, delimiter)
-            cuts.setdefault(delimiter, rows)
-            table = _in_dialect(path, rows, each, channels, time)
+            if delimiter not in cut:
+                cut[delimiter] = _cut(path, text, delimiter)
+            table = _in_dialect(path, cut[delimiter], each, channels, time)
             if table is not None:
                 if not text.endswith(("\n", "\r")):
                     _refuse_cut(table)
                 return table
+        # Where no reading has a header, the first one is told of.
+        cuts = cuts or cut
     if all(len(rows) < 3 for rows in cuts.values()):
         raise DicError(f"{path}: {_TOO_SHORT}")
     line, header = _likely_header(cuts.values())
@@ -157,8 +160,7 @@ def _in_dialect(
     for at, (line, row) in enumerate(rows[: dialect.preamble + 1]):
         pairs = [name_and_unit(cell, dialect.units) for cell in row]
         names = [name for name, _ in pairs]
-        full = {*names, *(cell.strip().lower() for cell in row)}
-        timed = time is None or time.strip().lower() in full
+        timed = time is None or time.strip().lower() in {*names, *(cell.strip().lower() for cell in row)}
         if not timed or not all(any(name in names for name in group) for group in wanted):
             continue
         units = [unit for _, unit in pairs]
