@@ -13,7 +13,7 @@ from hypernode.mechanics.point_law import PointLaw
 #: Points in a compiled call: more than a core works through without waiting, and few enough to stay in its cache.
 BLOCK = 2048
 #: Points in a call where there are few, as in cells that lines cut, and up to how many points those are.
-SMALL_BLOCK, FEW = 256, 512
+SMALL_BLOCK, FEW = 256, 1024
 
 
 class PointStress(NamedTuple):
