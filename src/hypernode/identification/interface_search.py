@@ -108,7 +108,8 @@ class Search:
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
-        if kept.fit.field.count > 1 and (more := with_what_is_missing(parting, one, beside, kept)) is not kept:
+        asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
+        if more is not kept:
             kept = self._merged(self._with_law(more))
         kept, self.keeps_volume = of_likelier_volume(trials, kept, self._steps, self._finds)
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
@@ -130,10 +131,17 @@ class Search:
                 say("constrained", trials.name, "few materials leave far more than a factor in every cell")
                 return None
             return cells, cells
+        return self._parted_again(kept, finer, parting, {one, asked} if asked.leaves_mostly_no_noise else {one})
+
+    def _parted_again(self, kept: Candidate, finer: Candidate, parting: Parting, asked: set[Candidate]):
+        """Both candidates, or those of other materials on top of them where they leave more than noise.
+
+        Args:
+            asked: candidates on top of which nothing was found.
+        """
         for _ in range(ROUNDS):
             open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
-            # Beside the same material, the same factor would be found again.
-            again = open_ and kept is not one and not len(kept.fit.field.gradual)
+            again = open_ and kept not in asked and not len(kept.fit.field.gradual)
             more = parting.parted(kept) if again else kept
             if more is kept:
                 break
