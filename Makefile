@@ -89,7 +89,7 @@ types: $(VENV)/dev
 laws: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests --smoke
 
-# Of these, the accuracy of three small sheets of strangers: two minutes.
+# Of these, the accuracy of four small sheets of strangers: two minutes.
 held: $(VENV)/dev
 	$(BIN)/python -m pytest -q -n $(CORES) --dist worksteal -m slow tests/benchmarks/test_small_strangers.py
 

@@ -1,4 +1,4 @@
-"""Three small sheets of other finite elements and laws, read from files, are as right as README promises."""
+"""Four small sheets of other finite elements and laws, read from files, are as right as README promises."""
 
 import dataclasses
 
@@ -24,12 +24,17 @@ SEEN = Sheet(
     **{"top": 0.2, "across": 0.8, "points": 20, "seen": 1.0, "window": 0.0, "noise": 0.02, "step_pixels": 20.0},
     **{"force_scatter": 0.002, "force_gain": 0.0, "force_zero": 0.0},
 )
+MOONEY = {"mu": np.array([0.4]), "share": np.array([0.3])}
 TWO = {"mu": np.array([0.4, 1.0])}
-#: A law that is no sum of the identification's terms, a jump, and a gradual change. Each has its number of materials,
-#: where 0 stands for a material that varies.
+#: A law that is no sum of the identification's terms, one that needs a term between clamps, a jump, and a gradual
+#: change. Each has its number of materials, where 0 stands for a material that varies.
 SHEETS = {
     "Gent's law": (dataclasses.replace(SEEN, kind="gent", laws={"mu": np.array([0.4]), "J": np.array([4.0])}), 1),
     "a disc": (dataclasses.replace(SEEN, shape="discs", laws=TWO), 2),
+    "Mooney's law": (
+        dataclasses.replace(SEEN, kind="mooney_rivlin", laws=MOONEY, load="clamped_y", points=17),
+        1,
+    ),
     "a slope": (dataclasses.replace(SEEN, shape="slope", laws=TWO, points=17), 0),
 }
 #: What README states of one test through a camera: 1 % off interfaces, here at the deformation of the test and at those

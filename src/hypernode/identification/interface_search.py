@@ -121,8 +121,9 @@ class Search:
         elif len(kept.fit.field.gradual):
             alone = self._of_one(alone or self._finer(one))
             gain = alone.gain_over(finer)
-            if gain > -EVIDENCE:
-                trials.passed_over(finer, f"scores {gain:+.1f} against one material on finer elements")
+            if gain > -EVIDENCE or not alone.leaves_more_than_noise:
+                why = f"scores {gain:+.1f} against" if gain > -EVIDENCE else "is not needed beside"
+                trials.passed_over(finer, f"{why} one material on finer elements")
                 return alone, alone
             trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
