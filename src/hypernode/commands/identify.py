@@ -13,8 +13,10 @@ from hypernode.errors import ExpectedError
 from hypernode.installation import needs, project_folder
 from hypernode.pipeline.liveness import at_work
 
+#: A refusal of the workflow, and one of a job, which names its rule and case.
+_REFUSAL = re.compile(r"error(?: in \w+ \(.*?\))?: ")
 #: What the project itself says during a run: progress of a stage, jobs that are done, refusals.
-_OWN = re.compile(r"\[[a-z][a-z_ -]*\] |error: |\d+ of \d+ steps")
+_OWN = re.compile(rf"\[[a-z][a-z_ -]*\] |{_REFUSAL.pattern}|\d+ of \d+ steps")
 #: Where everything that was said is kept when a run ends with an error.
 LOG = Path("results/logs/identify.log")
 
@@ -89,14 +91,19 @@ def run_workflow(snakefile: Path, configs: list[Path], cores: int) -> None:
     _unlock([*command, *quiet])
     done, said = _told([*command, *quiet])
     if done != 0:
-        own = [line for line in said if _OWN.match(line)]
-        cause = next((line.removeprefix("error: ") for line in reversed(own) if line.startswith("error: ")), None)
+        cause = cause_of(said)
         LOG.parent.mkdir(parents=True, exist_ok=True)
         LOG.write_text("\n".join(said) + "\n", encoding="utf-8")
         raise WorkflowError(
-            f"{f'{cause}: ' if cause else ''}the run did not end; what is finished is kept, and the same command goes "
+            f"{cause + ': ' if cause else ''}the run did not end; what is finished is kept, and the same command goes "
             f"on from there; everything that was said is in {LOG}"
         )
+
+
+def cause_of(said: list[str]) -> str:
+    """What the project said last of a run that ended with an error; empty if it said nothing."""
+    refusals = [line for line in said if _REFUSAL.match(line)]
+    return _REFUSAL.sub("", refusals[-1], count=1) if refusals else ""
 
 
 def _unlock(command: list[str]) -> None:
