@@ -132,3 +132,14 @@ def test_samples_of_one_time_are_averaged_and_nothing_is_extrapolated(tmp_path):
         matched.forces(np.array([6]))
     with pytest.raises(DicError, match="begins at 1 s, after frame 1 at 0 s: set first_frame_time"):
         pull(record(tmp_path, "Time,Force\n(s),(N)\n1,0\n2,2\n")).forces(np.array([1]))
+
+
+@pytest.mark.parametrize("end", ["", "\n"])
+def test_a_whole_number_at_the_end_of_two_samples_is_believed_where_its_line_ends(tmp_path, end):
+    path = tmp_path / "record.csv"
+    path.write_text("Time (s),Displacement (mm),Force (mN)\n0,0,0\n1,62,1" + end)
+    if end:
+        assert read_force_record(path).force[1, 0] == pytest.approx(1e-3)
+        return
+    with pytest.raises(DicError, match=r"record.csv:3: the last line has no end.*cut off"):
+        read_force_record(path)

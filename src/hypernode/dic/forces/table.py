@@ -108,17 +108,19 @@ def _refuse_cut(table: Table) -> None:
     """Nothing, where the last number of a file whose last line has no end is written as those above it are.
 
     Raises:
-        DicError: they have one number of decimals, and it has fewer: a number that is cut off is a number still.
+        DicError: they have one number of decimals, and it has fewer: a number that is cut off is a number still. Of
+            whole numbers one line above tells nothing.
     """
     line, cells = table.rows[-1]
     k = _filled(cells) - 1
     above = [row[k].strip() for _, row in table.rows[:-1] if len(row) > k]
     number = cells[k].strip()
     usual = set(map(_decimals, above))
-    if len(usual) == 1 and ({_decimals(number)} != usual or (usual == {0} and len(number) < len(above[-1]))):
+    whole = usual == {0} and (len(above) == 1 or len(number) < len(above[-1]))
+    if len(usual) == 1 and ({_decimals(number)} != usual or whole):
         raise DicError(
-            f"{table.path}:{line}: the last line has no end, and {number[:40]!r} has fewer digits than the numbers "
-            "above it: the file is cut off; copy or export it again, or end the line if it is whole"
+            f"{table.path}:{line}: the last line has no end, and {number[:40]!r} may be the beginning of a "
+            "longer number: the file is cut off; copy or export it again, or end the line if it is whole"
         )
 
 
