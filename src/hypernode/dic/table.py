@@ -82,9 +82,10 @@ def _plain(rows: list[str], layout: Layout, columns: list[int], blanks: bool) ->
         text = text.replace(",", ".")
     sign = r"\s+" if sign == " " else sign
     absent = ["nan", "NaN", "NAN", *([""] if blanks else [])]
-    try:
-        import pandas as pd
+    # Snakemake starts without it.
+    import pandas as pd
 
+    try:
         table = pd.read_csv(
             StringIO(text),
             sep=sign,
