@@ -29,7 +29,7 @@ def test_roughness_is_the_integral_of_the_squared_curvature_of_the_natural_splin
 def test_smoothed_values_miss_the_true_ones_by_what_their_errors_say(shape):
     rng = np.random.default_rng(4)
     missed, said = [], []
-    for _ in range(200):
+    for _ in range(80):
         measured = SHAPES[shape] + rng.normal(0.0, NOISE, X.shape)
         values, errors = smoothed(X, measured, NOISE)
         missed.append(np.mean((values - SHAPES[shape]) ** 2))

@@ -10,7 +10,7 @@ from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
 
-@pytest.mark.parametrize(("terms", "own"), [((), False), (("I1_squared",), True)])
+@pytest.mark.parametrize(("terms", "own"), [pytest.param((), False, marks=pytest.mark.slow), (("I1_squared",), True)])
 def test_samples_scatter_by_as_much_more_as_forces_are_missed_by_more_than_chance(terms, own):
     values = {"log1p_I1_squared": 1.5}
     load = make_load("equibiaxial", [1.1, 1.2, 1.3])

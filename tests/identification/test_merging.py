@@ -8,7 +8,7 @@ import pytest
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
 from hypernode.identification.interfaces import Interfaces, Lines
-from hypernode.identification.merging import APART, _without_least_known
+from hypernode.identification.merging import APART, _without_least_known, merged
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 GRID = rectilinear(np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 7))
@@ -43,3 +43,10 @@ def test_a_fibre_and_its_opposite_are_the_same():
     names = ("log_level", *FIBRE_VECTOR)
     kept = candidate([[0.0, 0.3, 0.4], [0.0, -0.3, -0.4], [0.0, 0.4, -0.3]], [[0.01] * 3] * 3, names)
     assert _without_least_known(kept) is not None
+
+
+def test_what_was_tried_and_refused_is_not_tried_again():
+    kept = candidate([[0.0, 0.1], [1.0, 0.2], [1.1, 3.0]], [[0.01, 0.01], [0.02, 0.02], [0.3, 2.0]])
+    # Trials without a descent: another one would be an error.
+    trials = SimpleNamespace(was_tried=lambda move, start: move == "two materials as one" and start is kept)
+    assert merged(trials, kept, [0], False) is kept

@@ -8,12 +8,12 @@ import pytest
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.identification.finer_grid import on_measured_grid
-from hypernode.identification.interface_search import of_parts
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
+from hypernode.identification.strategy import of_parts
 from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load

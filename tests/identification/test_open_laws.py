@@ -8,9 +8,9 @@ import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.evaluation.doubt import farther_half
-from hypernode.identification.interface_search import of_parts
 from hypernode.identification.open_laws import open_laws, terms_left
 from hypernode.identification.settings import STRATEGY
+from hypernode.identification.strategy import of_parts
 from hypernode.identification.volume import Parts, of_either, with_area
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -81,6 +81,7 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
     assert not any("volume" in row["move"] for row in found.trace.rows(found.trial))
 
 
+@pytest.mark.slow
 def test_a_sheet_that_changes_its_volume_is_found_to():
     area = {"log1p_J_area": np.log1p(0.8), "log1p_J_volume": np.log1p(0.2)}
     data, true = observed(("J",), tuple(area.items()), make_load("biaxial", [[1.06, 1.03], [1.12, 1.06], [1.2, 1.1]]))

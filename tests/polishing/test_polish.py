@@ -20,6 +20,7 @@ SHARP = 1e-11
 CONSTRAINED = Constrained(force_noise=FORCE_NOISE)
 
 
+@pytest.mark.slow
 def test_the_gradient_by_the_weights_is_that_of_differences_of_the_cost():
     """The cost is solved anew at every weight; the gradient comes from one adjoint and the network's own derivative."""
     problem, field = problem_of_field(4, "clamped_y", (1.1, 1.2), 1e-3, tolerance=SHARP)

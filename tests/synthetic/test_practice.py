@@ -43,7 +43,9 @@ def test_noise_is_as_large_as_it_is_said_to_be_and_the_reference_has_none():
     np.testing.assert_allclose(exact.displacement[-1, -1, :, 1], 0.2 * SIDE, rtol=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["clamped_y", "biaxial", "shear", "uniaxial_x"])
+@pytest.mark.parametrize(
+    "kind", ["clamped_y", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("biaxial", "shear", "uniaxial_x"))]
+)
 def test_a_folder_can_be_imported_and_shows_its_load(kind, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(["practice", "pull", "--load", kind]) == 0

@@ -30,8 +30,9 @@ from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
+from hypernode.identification.small_steps import from_smallest
 from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement, largest_and_half
-from hypernode.identification.volume import Parts, of_likelier_volume
+from hypernode.identification.volume import of_likelier_volume
 from hypernode.progress import say
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
@@ -42,31 +43,11 @@ CLOSER = 0.5
 ROUNDS = 2
 
 
-def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Parts:
-    """The few materials and lines that explain a test. They are sought where the configuration asks for layers.
-
-    Args:
-        measurement: an opened measurement.
-        settings: configuration of the stage.
-        name: case, for progress and messages.
-
-    Raises:
-        ImpossibleForcesError: no sheet gives the forces.
-    """
-    if not settings.layers:
-        return Parts(None, False)
-    search = Search(measurement, settings, name, strategy)
-    found = search.end()
-    if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
-        found = None
-    return Parts(found, search.keeps_volume)
-
-
 class Search:
     """The search on one test.
 
     Attributes:
-        keeps_volume: of :class:`Parts`.
+        keeps_volume: of :class:`~hypernode.identification.volume.Parts`.
     """
 
     def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
@@ -108,6 +89,8 @@ class Search:
         if kept is None:
             return None
         kept = self._merged(self._with_law(kept))
+        if cells := self._of_whole_cells(kept):
+            return cells, cells
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
         if more is not kept:
             kept = self._merged(self._with_law(more))
@@ -118,20 +101,16 @@ class Search:
             common = with_common_trend(parting, one, beside, kept)
             if common is not kept:
                 kept, finer = self._finer_and_plainer(self._merged(self._with_law(common)))
-        elif len(kept.fit.field.gradual):
-            alone = self._of_one(alone or self._finer(one))
-            gain = alone.gain_over(finer)
-            if gain > -EVIDENCE or not alone.leaves_more_than_noise:
-                why = f"scores {gain:+.1f} against" if gain > -EVIDENCE else "is not needed beside"
-                trials.passed_over(finer, f"{why} one material on finer elements")
-                return alone, alone
-            trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
+        elif len(kept.fit.field.gradual) and (alone := self._without_change(finer, alone or self._finer(one))):
+            return alone, alone
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
             cells = MosaicSearch(trials, self._steps).instead_of(kept, finer)
             if cells is finer or cells.fit.misfit > NOT_MADE_OF_FEW * max(parting.by_cell, 1.0):
                 say("constrained", trials.name, "few materials leave far more than a factor in every cell")
                 return None
             return cells, cells
+        if gradual := self._gradual_instead(finer, parting):
+            return gradual, gradual
         return self._parted_again(kept, finer, parting, {one, asked} if asked.leaves_mostly_no_noise else {one})
 
     def _parted_again(self, kept: Candidate, finer: Candidate, parting: Parting, asked: set[Candidate]):
@@ -148,6 +127,42 @@ class Search:
                 break
             kept, finer = self._finer_and_plainer(self._merged(self._with_law(more)))
         return kept, finer
+
+    def _of_whole_cells(self, kept: Candidate) -> Candidate | None:
+        """The same materials of whole cells, where lines leave mostly no noise, and these no more than noise."""
+        if not kept.leaves_mostly_no_noise:
+            return None
+        cells = MosaicSearch(self._trials, self._steps).instead_of(kept, kept)
+        if not cells.leaves_more_than_noise:
+            return cells
+        if cells is not kept:
+            self._trials.passed_over(cells, "leaves more than noise")
+        return None
+
+    def _without_change(self, gradual: Candidate, alone: Candidate) -> Candidate | None:
+        """One material on finer elements, where it explains the test without a gradual change."""
+        alone = self._of_one(alone)
+        gain = alone.gain_over(gradual)
+        if gain > -EVIDENCE or not alone.leaves_more_than_noise:
+            why = f"scores {gain:+.1f} against" if gain > -EVIDENCE else "is not needed beside"
+            self._trials.passed_over(gradual, f"{why} one material on finer elements")
+            return alone
+        self._trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
+        return None
+
+    def _gradual_instead(self, finer: Candidate, parting: Parting) -> Candidate | None:
+        """One material that changes gradually, though it scored less: where few materials alone are refuted.
+
+        What few materials leave is the same in all steps, and no noise. What it leaves is less, and differs.
+        """
+        if parting.gradual is None or not finer.misses_deformation or len(finer.fit.field.gradual):
+            return None
+        found = self._finer(self._with_law(parting.gradual))
+        if found.misses_deformation or found.fit.misfit > finer.fit.misfit:
+            self._trials.passed_over(found, "leaves as much of the deformation as few materials do")
+            return None
+        self._trials.passed_over(finer, "leaves the same in all steps; a gradual change does not")
+        return found
 
     def _one_material(self, problem: FieldProblem) -> Candidate | None:
         lines, u = Lines.of(problem.observations.grid, problem.refinement), homogeneous_displacement(problem)
@@ -176,33 +191,7 @@ class Search:
         """
         if beside.found is None or beside.found.misfit < MOSTLY_NO_NOISE:
             return parting.parted(one, beside)
-        return self._from_smallest(one, parting.smallest(one)) or parting.parted(one, beside)
-
-    def _from_smallest(self, one: Candidate, steps: list[int]) -> Candidate | None:
-        """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
-
-        Fibres are taken where they explain half of the squares that a factor in every cell leaves of these steps.
-        """
-        trials, parting = self._trials, Parting(self._trials, steps, self._finds, small=True)
-        move = "one material, smallest load steps"
-        alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
-        if alone is None:
-            return None
-        beside = parting.in_cells(parting.beside(alone))
-        if "fibre" in trials.settings.terms:
-            directed = parting.with_direction(alone)
-            if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
-                beside = directed
-        kept = parting.parted(alone, beside)
-        if kept is None or kept is alone:
-            return None
-        loading, u = one.problem.observations.loading, dict(kept.u)
-        for k in set(self._steps) - set(steps):
-            like = next(step for step in steps if loading.load_case[step] == loading.load_case[k])
-            # What materials change grows about as the load does.
-            u[k] = one.u[k] + (kept.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
-        move, window = "the same, largest load steps", kept.fit.window
-        return trials.descend(move, kept, kept.problem, kept.fit.field, u, self._steps, NEAR, window, move_lines=False)
+        return from_smallest(parting, one) or parting.parted(one, beside)
 
     def _from_coarser_grid(self) -> tuple[Candidate, Candidate] | None:
         """What every second line of a grid of many cells tells, on the whole grid."""

@@ -19,8 +19,11 @@ def merged(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
     """
-    while kept.fit.field.count > 2 and (field := _without_least_known(kept)) is not None:
-        move, window = "two materials as one", kept.fit.window
+    move = "two materials as one"
+    while kept.fit.field.count > 2 and not trials.was_tried(move, kept):
+        field, window = _without_least_known(kept), kept.fit.window
+        if field is None:
+            break
         found = trials.descend(move, kept, kept.problem, field, kept.u, steps, FAR, window, finds_window, settled=False)
         if found is None or kept.gain_over(found) > EVIDENCE:
             if found is not None:

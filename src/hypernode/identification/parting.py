@@ -96,6 +96,8 @@ class Parting:
         self.trials, self.steps, self.finds_window, self._small = trials, steps, finds_window, small
         #: What a factor in every cell on top of one material leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
+        #: One material that changes gradually, once that was tried.
+        self.gradual: Candidate | None = None
 
     def beside(self, begun: Candidate) -> Beside:
         """The factor of the stiffness in blocks of cells that explains more than a candidate, on top of its materials.
@@ -177,16 +179,14 @@ class Parting:
         beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
-        known, u = beside.known, beside.reached
-        kept = begun
+        known, u, kept = beside.known, beside.reached, begun
         # On top of another law, as many materials may lie elsewhere.
         for count in range(known.count + first, MOST + 1):
             labels, materials = beside.parts(count)
             if len(materials) < count:
                 break
             field = Interfaces.around(known.lines, materials, labels)
-            move = f"{count} materials and lines"
-            found = self._descend(move, begun, beside, field, u)
+            found = self._descend(f"{count} materials and lines", begun, beside, field, u)
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -239,7 +239,7 @@ class Parting:
 
     def _gradual(self, begun: Candidate, known: Interfaces, factor, u, kept: Candidate) -> Candidate:
         """One material that changes gradually, where few materials explain the test no better."""
-        best = trend(self.trials, begun, known, factor, u, self.steps, False, kept)
+        self.gradual = best = trend(self.trials, begun, known, factor, u, self.steps, False, kept)
         if best is None:
             return kept
         gain = best.gain_over(kept)

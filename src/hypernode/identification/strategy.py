@@ -10,22 +10,25 @@ explains the test, every cell has its own coefficients, and jumps between cells 
 import functools
 import sys
 
+import xarray as xr
+
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
+from hypernode.identification.candidate import MOSTLY_NO_NOISE
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend
-from hypernode.identification.interface_search import of_parts
+from hypernode.identification.interface_search import Search
 from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
-from hypernode.identification.volume import of_either
+from hypernode.identification.volume import Parts, of_either
 from hypernode.progress import say
 from hypernode.trace import table
 from hypernode.verdict import Ending
 
 
-def identify(measurement, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
+def identify(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
     """The material field that explains a measurement, or comes nearest to it.
 
     Args:
@@ -48,7 +51,27 @@ def identify(measurement, settings: Constrained, name: str, strategy: Strategy =
     return found
 
 
-def of_cells(measurement, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
+def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Parts:
+    """The few materials and lines that explain a test. They are sought where the configuration asks for layers.
+
+    Args:
+        measurement: an opened measurement.
+        settings: configuration of the stage.
+        name: case, for progress and messages.
+
+    Raises:
+        ImpossibleForcesError: no sheet gives the forces.
+    """
+    if not settings.layers:
+        return Parts(None, False)
+    search = Search(measurement, settings, name, strategy)
+    found = search.end()
+    if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
+        found = None
+    return Parts(found, search.keeps_volume)
+
+
+def of_cells(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
     """The likeliest field in which every cell has its own coefficients.
 
     The stiffness alone comes first: it finds where the material changes, along a path without the valleys that all

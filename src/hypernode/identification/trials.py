@@ -126,6 +126,10 @@ class Trials:
         self._tried.append(found)
         return found
 
+    def was_tried(self, move: str, start: Candidate) -> bool:
+        """Whether a move from a candidate is on record."""
+        return any(each.start is start and each.move == move for each in self._tried)
+
     def after(self, earlier: "Trials") -> None:
         """Go on with what was tried on a coarser grid."""
         self._tried = [*earlier._tried, *self._tried]

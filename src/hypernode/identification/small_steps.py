@@ -1,0 +1,37 @@
+"""Materials and lines from the smallest load steps, in which law and direction matter least."""
+
+from hypernode.identification.candidate import Candidate
+from hypernode.identification.parting import Parting
+from hypernode.identification.trials import NEAR
+
+
+def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
+    """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
+
+    Fibres are taken where they explain half of the squares that a factor in every cell leaves of these steps.
+
+    Args:
+        parting: the search in the steps that count.
+        one: the homogeneous sheet.
+    """
+    trials, finds, steps = parting.trials, parting.finds_window, parting.smallest(one)
+    small = Parting(trials, steps, finds, small=True)
+    move = "one material, smallest load steps"
+    alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
+    if alone is None:
+        return None
+    beside = small.in_cells(small.beside(alone))
+    if "fibre" in trials.settings.terms:
+        directed = small.with_direction(alone)
+        if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
+            beside = directed
+    kept = small.parted(alone, beside)
+    if kept is None or kept is alone:
+        return None
+    loading, u = one.problem.observations.loading, dict(kept.u)
+    for k in set(parting.steps) - set(steps):
+        like = next(step for step in steps if loading.load_case[step] == loading.load_case[k])
+        # What materials change grows about as the load does.
+        u[k] = one.u[k] + (kept.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
+    move, window = "the same, largest load steps", kept.fit.window
+    return trials.descend(move, kept, kept.problem, kept.fit.field, u, parting.steps, NEAR, window, move_lines=False)
