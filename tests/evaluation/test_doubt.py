@@ -46,6 +46,14 @@ def of(field, level=0.0):
         return doubts({"constrained": field, "material": field}, MESH.centres, LARGEST, level)
 
 
+@pytest.mark.parametrize(("force", "factor"), [(None, 1.0), (0.4, 1.0), (2.5, 2.5)])
+def test_doubt_is_as_much_larger_as_forces_of_left_out_steps_are_missed(force, factor):
+    plain, missed = constrained(), constrained()
+    missed.attrs["left_out"] = json.dumps({"force": force})
+    for one, other in zip(of(plain), of(missed), strict=True):
+        assert other.total == pytest.approx(factor * one.total, rel=1e-9)
+
+
 def test_every_mode_is_asked_for_at_every_stretch_and_what_is_beyond_is_said():
     found = of(constrained())
     assert [(each.mode, each.stretch) for each in found] == [

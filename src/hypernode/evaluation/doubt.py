@@ -1,7 +1,8 @@
 """How far the stress is known in every mode of deformation, within what a test has seen and beyond.
 
 A test tells the stress of the deformations that it makes. Doubt in others is from samples of the kept law, and from
-laws that explain the test as well. Networks that miss the field they learnt and the level of the forces join it.
+laws that explain the test as well. Where forces of left-out load steps are missed by more than that, all of it is as
+much larger. Networks that miss the field they learnt and the level of the forces join it.
 """
 
 import json
@@ -39,6 +40,7 @@ class Doubt:
         inside: whether the test has seen all of it.
         spread: by samples of the kept law.
         by_law: by laws that explain the test as well, by the term that each has more.
+        missed: factor by which forces of left-out load steps are missed over noise and spread; 1 where by no more.
         networks: what networks miss of the field that they learnt.
         level: by the level of the forces.
     """
@@ -49,6 +51,7 @@ class Doubt:
     inside: bool
     spread: float
     by_law: Mapping[str, float]
+    missed: float
     networks: float
     level: float
 
@@ -59,8 +62,9 @@ class Doubt:
 
     @property
     def total(self) -> float:
-        """All together, as standard uncertainties add."""
-        return float(np.sqrt(self.spread**2 + self.other_laws**2 + self.networks**2 + self.level**2))
+        """All together, as standard uncertainties add, with the law's own as large as predictions show it to be."""
+        of_law = self.missed**2 * (self.spread**2 + self.other_laws**2)
+        return float(np.sqrt(of_law + self.networks**2 + self.level**2))
 
     def stored(self) -> dict:
         """As a file holds it."""
@@ -85,6 +89,7 @@ def doubts(
     field, count = material_of(constrained), constrained.sizes["posterior_sample"]
     learnt = material_of(files["material"]) if files["material"].attrs["material_kind"] == "node" else None
     others, domain, found = open_materials(constrained), domain_of(constrained), []
+    missed = max(json.loads(constrained.attrs.get("left_out", "{}")).get("force") or 1.0, 1.0)
     for mode in ASKED:
         for reach in REACHES:
             stretch = 1.0 + reach * (largest - 1.0)
@@ -106,6 +111,7 @@ def doubts(
                     inside=inside,
                     spread=spread,
                     by_law=rms,
+                    missed=missed,
                     networks=networks,
                     level=level,
                 )
