@@ -164,12 +164,14 @@ class InterfaceFit:
             numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy, self._damping
         ):
             promised.append(gain)
-            trial = field.at(changed[:count], numbers.moves)
-            reached = test.followed(trial, states, model.answers, (changed - numbers.y)[:count])
+            change = changed - numbers.y
+            y = numbers.after(change, test.problem.basis)
+            trial = field.at(y[:count], numbers.moves)
+            reached = test.followed(trial, states, model.answers, change[:count])
             if reached is not None:
                 if self._finds:
                     test.see_through(float(changed[-1]))
-                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(changed)
+                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(y)
                 if after < before:
                     if len(promised) == 1 and before - after > TRUSTED * gain:
                         self._model = model

@@ -9,6 +9,8 @@ from jaxtyping import Float
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import Answer
+from hypernode.identification.straight_steps import straight
+from hypernode.mechanics.convex_basis import ConvexBasis
 
 #: In sides of cells: how near a line its distances bend, and by how much they usually do.
 BENT, BEND = 0.8, 0.3
@@ -43,6 +45,13 @@ class Numbers:
     def prior(self, y) -> float:
         """What numbers cost without data."""
         return 0.5 * float(y @ (self.held @ y)) - float(self.pull @ y) + self.base
+
+    def after(self, change: Float[np.ndarray, " number"], law: ConvexBasis) -> Float[np.ndarray, " number"]:
+        """Values after a change, which is straight in the coefficients of the law."""
+        y, of = self.y + change, self.of_materials
+        before, changed = (each[:of].reshape(-1, len(law.names)) for each in (self.y, change))
+        y[:of] = np.maximum(straight(law, before, changed).ravel(), self.lowest[:of])
+        return y
 
     def slope(self, y) -> Float[np.ndarray, " number"]:
         """Derivative of :meth:`prior`."""

@@ -47,15 +47,28 @@ class LawSearch:
         """
         while not kept.leaves_nothing:
             # Near noise the linear model is exact.
-            tried = self._next(kept, 0.0 if kept.leaves_more_than_noise else EVIDENCE)
+            begun = self._next(kept, 0.0 if kept.leaves_more_than_noise else EVIDENCE)
+            tried = self._followed(begun)
             best = self._best(kept, tried)
             if best is kept:
                 break
             for other in tried:
                 if other is not best and other.gain_over(kept) > 0.0:
                     best = self._best(best, self._next(other, best.gain_over(other), most=1))
-            kept = self._settled(best)
+            kept = best if best in tried and best not in begun else self._settled(best)
         return kept
+
+    def _followed(self, tried: list[Candidate]) -> list[Candidate]:
+        """Two laws once their lines follow them, where both leave more than noise.
+
+        Lines of the law before leave more than the laws differ by. One that leaves twice the squares stays behind.
+        """
+        if len(tried) < 2 or not all(found.leaves_more_than_noise for found in tried):
+            return tried
+        one, other = tried
+        if one.halves(other) or other.halves(one):
+            return tried
+        return [self._settled(found) for found in tried]
 
     def _next(self, start: Candidate, asked: float, most: int = TERMS_TRIED) -> list[Candidate]:
         """Candidates with one term more, those first that promise most; none that promises no more than is asked."""
@@ -78,7 +91,8 @@ class LawSearch:
                 self._trials.passed_over(best, f"scores {gain:+.1f} against the law with {found.terms[-1]}")
                 best = found
             else:
-                against = f"without {found.terms[-1]}" if best is found.start else f"with {best.terms[-1]}"
+                more = best.terms == found.terms[:-1]
+                against = f"without {found.terms[-1]}" if more else f"with {best.terms[-1]}"
                 self._trials.passed_over(found, f"scores {-gain:+.1f} against the law {against}")
         return best
 
