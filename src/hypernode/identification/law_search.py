@@ -59,16 +59,12 @@ class LawSearch:
         return kept
 
     def _followed(self, tried: list[Candidate]) -> list[Candidate]:
-        """Two laws once their lines follow them, where both leave more than noise.
+        """Two laws once their lines follow them, where lines of the law before leave more than the laws differ by.
 
-        Lines of the law before leave more than the laws differ by. One that leaves twice the squares stays behind.
+        They do where both laws leave more than noise. Where most is no noise, elements or materials are to blame.
         """
-        if len(tried) < 2 or not all(found.leaves_more_than_noise for found in tried):
-            return tried
-        one, other = tried
-        if one.halves(other) or other.halves(one):
-            return tried
-        return [self._settled(found) for found in tried]
+        open_ = all(found.leaves_more_than_noise and not found.leaves_mostly_no_noise for found in tried)
+        return [self._settled(found) for found in tried] if open_ and len(tried) > 1 else tried
 
     def _next(self, start: Candidate, asked: float, most: int = TERMS_TRIED) -> list[Candidate]:
         """Candidates with one term more, those first that promise most; none that promises no more than is asked."""
