@@ -104,3 +104,12 @@ def test_a_line_that_moves_as_one_takes_its_distances_with_it():
     near = np.abs(before) < 1.0
     found = before + ContourLines(mesh).as_one(before) @ moved
     assert np.abs(found - after)[near].max() < 0.1 * np.abs(after - before)[near].max()
+
+
+def test_slopes_are_as_many_as_cells_are_asked_for_more_often_than_there_are_cells():
+    """Two lines may cut a cell, so that on a small grid more slopes are asked for than it has cells."""
+    distance = np.linalg.norm(LINES.mesh.nodes - LINES.mesh.nodes.mean(axis=0), axis=1) - 0.31
+    every = np.arange(len(LINES.mesh.cells))
+    once, twice = LINES.slopes(distance, every), LINES.slopes(distance, np.concatenate([every, every[:3]]))
+    for one, both in zip(once, twice, strict=True):
+        np.testing.assert_array_equal(both, np.concatenate([one, one[:3]]))

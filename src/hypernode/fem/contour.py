@@ -94,8 +94,10 @@ class ContourLines:
         Args:
             some: numbers of cells.
         """
-        # As many at once as there are cells: what is compiled serves any number.
-        padded = np.resize(some, len(self.mesh.cells)) if len(some) else np.zeros(len(self.mesh.cells), int)
+        # As many at once as there are cells, or twice: what is compiled serves any number. Two lines may cut a cell.
+        cells = len(self.mesh.cells)
+        count = cells * max(-(-len(some) // cells), 1)
+        padded = np.resize(some, count) if len(some) else np.zeros(count, int)
         found = np.asarray(self._slope(jnp.asarray(distance[self.mesh.cells[padded]]), self._sides[padded]))
         return found[: len(some), 0], found[: len(some), 1:]
 

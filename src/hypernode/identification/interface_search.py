@@ -94,7 +94,10 @@ class Search:
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
         if more is not kept:
             kept = self._merged(self._with_law(more))
-        kept, self.keeps_volume = of_likelier_volume(trials, kept, self._steps, self._finds)
+        before, (kept, self.keeps_volume) = kept, of_likelier_volume(trials, kept, self._steps, self._finds)
+        if kept is not before and kept.leaves_mostly_no_noise:
+            say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
+            return None
         kept, finer = with_bent_edges(trials, *self._finer_and_plainer(kept), self._steps, self._finds)
         finer = self._merged(finer)
         if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
