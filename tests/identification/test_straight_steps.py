@@ -46,3 +46,12 @@ def test_fibres_keep_their_share_of_the_change_whatever_the_level_does():
     change = np.array([[0.25, 0.1, 0.05, 0.3]])
     found = straight(basis, basis.start[None], change) - basis.start
     np.testing.assert_allclose(found[0, 1:], [0.08, 0.04, 0.3])
+
+
+def test_a_material_of_other_shares_does_not_bend_the_step_of_another():
+    basis = ConvexBasis(("ogden",), 0.3)
+    before = np.array([[0.0, 0.01, 0.01, 0.01], [0.0, 1.2, 1.2, 1.2]])
+    change = np.full(before.shape, 0.05)
+    both = straight(basis, before, change)
+    for k in range(2):
+        np.testing.assert_allclose(both[k], straight(basis, before[k : k + 1], change[k : k + 1])[0], rtol=1e-12)

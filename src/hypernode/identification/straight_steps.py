@@ -35,7 +35,7 @@ def straight(
     first_after = first * (1.0 + level - first * (added * mixed).sum(axis=1, keepdims=True))
     over = np.where(mixed, first * (values + added) + values * (first_after - first), values * (1.0 + level) + added)
     level_after = first_after + (over * mixed).sum(axis=1, keepdims=True)
-    if min(first_after.min() / first.max(), level_after.min()) < LEFT:
+    if min((first_after / first).min(), level_after.min()) < LEFT:
         return after
     after[:, :1] = before[:, :1] + np.log(level_after)
     after[:, linear] = _parameters(over / np.where(mixed, first_after, level_after))

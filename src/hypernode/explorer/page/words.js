@@ -101,7 +101,8 @@ function writeNotes() {
   });
   $("doubt").innerHTML = everyRun(({ doubt }, caption) => {
     if (!doubt.length) return "<p>Not known: there are no samples.</p>";
-    const heads = ["mode", "stretch", "seen", "samples [%]", "other laws [%]", "forces missed [times]", "networks [%]", "level [%]", "all [%]"];
+    const parts = ["samples [%]", "other laws [%]", "forces missed [times]", "networks [%]", "level [%]", "all [%]"];
+    const heads = ["mode", "stretch", "seen", ...parts];
     const shares = ({ spread, other_laws: laws, missed, networks, level, total }) =>
       [100 * spread, 100 * laws, missed, 100 * networks, 100 * level, 100 * total].map((share) => shown(share, 2));
     const rows = doubt.map((each) => [
