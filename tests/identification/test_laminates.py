@@ -32,6 +32,24 @@ def test_layers_of_one_material_are_that_material():
     np.testing.assert_allclose(stress(second=FIRST), POINTS.stress(F, FIRST)[0], atol=1e-12)
 
 
+def test_jumps_begun_near_those_of_another_deformation_end_at_the_same():
+    known = laminate(POINTS, F, FIRST, SECOND, SHARE, NORMAL, False).jumps
+    for size in (1e-3, 0.2):
+        other = F + size * RANDOM.normal(size=F.shape)
+        near = laminate(POINTS, other, FIRST, SECOND, SHARE, NORMAL, False, known)
+        np.testing.assert_allclose(near.P, stress(other), rtol=1e-9, atol=1e-12)
+    moved = known.near(F + 1e-6 * (other - F), SHARE, NORMAL) - known.jump
+    exact = laminate(POINTS, F + 1e-6 * (other - F), FIRST, SECOND, SHARE, NORMAL, False).jumps.jump - known.jump
+    np.testing.assert_allclose(moved, exact, atol=1e-3 * np.abs(moved).max())
+
+
+def test_a_jump_that_would_turn_a_side_inside_out_is_no_beginning():
+    known = laminate(POINTS, F, FIRST, SECOND, SHARE, NORMAL, False).jumps
+    far = known._replace(jump=known.jump - 20.0 * NORMAL)
+    assert not far.near(F, SHARE, NORMAL).any()
+    np.testing.assert_allclose(laminate(POINTS, F, FIRST, SECOND, SHARE, NORMAL, False, far).P, stress(), rtol=1e-9)
+
+
 def test_a_thin_soft_layer_carries_the_traction_of_a_stiff_one_at_any_jump():
     stretched, share = np.tile(np.diag([1.3, 1.2])[:, :, None], (1, NUMBER)), np.full(NUMBER, 1e-3)
     soft, stiff = FIRST - np.array([[3.0], [0.0], [0.0]]), FIRST + np.array([[1.0], [0.0], [0.0]])

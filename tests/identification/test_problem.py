@@ -76,14 +76,15 @@ def test_a_reading_is_one_datum_the_mean_of_both_ends_of_a_grid_that_is_cut_out_
         np.testing.assert_allclose(by_edge, [[0.0, 1.0], [-0.5, 0.5]])
 
 
-def test_points_of_the_rim_count_for_what_is_beside_them():
+def test_edges_of_a_part_answer_for_what_a_field_told_that_they_carry():
     data, mesh, _ = sheet(10, square, make_load("clamped_y", [1.1]))
     part = data.assign_attrs(outline="cut", seen_share="[[0.8, 1.0]]")
-    pull = field_problem(part, Constrained(terms=["I1_squared"])).forces[-1]
-    weights = 2.0 * pull.direction.reshape(-1, 2)[mesh.on_edge("top"), 1]
-    # A strip of an eighth of the seen width is beside a band as wide: one node, and three quarters of the next.
-    np.testing.assert_allclose(weights[:4], 0.8 * (1.0 + np.array([1.0, 0.75, 0.0, 0.0])))
-    assert weights[::-1] == pytest.approx(weights)
+    settings = Constrained(terms=["I1_squared"])
+    before = field_problem(part, settings).forces[-1]
+    after = field_problem(part.assign_attrs(carried_share="[[1.0, 1.25]]"), settings).forces[-1]
+    assert after.value == pytest.approx(1.25 * before.value)
+    for each in (before, after):
+        np.testing.assert_allclose(each.direction.reshape(-1, 2)[mesh.on_edge("top"), 1], 0.5)
 
 
 @pytest.mark.slow

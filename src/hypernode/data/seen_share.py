@@ -1,24 +1,42 @@
 """A load cell's force over a sheet of which a part is seen: what is beside the points carries what their rim carries.
 
-The force of a section is the sum over the seen width w and the strips m on either side of it, W = w + 2 m in all. Where
-the traction of a strip is that of the band b beside it,
+The force of a section is the sum over the seen width w and the strips m on either side of it, W = w + 2 m in all. A
+strip has the material of the rim beside it and is stretched as that is. Its outer side is free, so that it carries no
+stress across. At equal stretch, what keeps its volume then carries less by half of the stress across the rim,
 
-    F = ∫_w P_N ds + (m / b) ∫_bands P_N ds.
+    F = ∫_w P_N ds + Σ_sides m (P_N - P_T / 2)_rim.
 
-Measured resultants are the share w / W of F, as in a uniform sheet. So nodal forces count by w / W, and in the
-bands by (1 + m / b) w / W.
+Every section carries the same force. What is not seen differs from the rim at some sections and not at others, so that
+the median over all sections counts. Measured resultants are the share w / W of F, as in a uniform sheet.
 """
 
 import json
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from hypernode.fem.mesh import EDGES, Mesh
+from hypernode.fem.mesh import Mesh
 
-#: Narrowest band over the seen width: fewer points than in an eighth tell a traction with the noise of a corner.
+#: Attribute of a measurement that keeps :func:`carried_shares`, once a field has told them.
+CARRIED = "carried_share"
+#: Narrowest band over the seen width that is compared with the one beside it: fewer points tell only their noise.
 NARROWEST = 0.125
+#: By how much less of the stress across a rim a free strip carries: Poisson's ratio of what keeps its volume.
+FREE = 0.5
+
+
+class Section(NamedTuple):
+    """The force of the sections across an axis, where a part of them is seen.
+
+    Attributes:
+        carried: share of the force that the seen width of both ends carries, over its share of the width.
+        uncertainty: relative, of the force, by what is not seen.
+    """
+
+    carried: float
+    uncertainty: float
 
 
 def seen_shares(measurement: xr.Dataset) -> Float[np.ndarray, "case axis"]:
@@ -27,22 +45,72 @@ def seen_shares(measurement: xr.Dataset) -> Float[np.ndarray, "case axis"]:
     return np.array(json.loads(measurement.attrs.get("seen_share", "null")) or [[1.0, 1.0]] * count)
 
 
-def strips(width: float, share: float) -> tuple[float, float]:
-    """(width of the unseen strip on either side of the seen width, width of the band that stands for it)."""
-    strip = 0.5 * width * (1.0 / share - 1.0)
-    return strip, min(max(strip, NARROWEST * width), 0.5 * width)
+def believed_shares(measurement: xr.Dataset) -> Float[np.ndarray, "step axis"]:
+    """The carried shares that a field has told; 1 before one has, as in a uniform sheet."""
+    steps = measurement.sizes["load_step"]
+    return np.array(json.loads(measurement.attrs.get(CARRIED, "null")) or np.ones((steps, 2)))
 
 
-def section_weights(mesh: Mesh, edge: str, share: float) -> Float[np.ndarray, " edge_node"]:
-    """By what the nodal forces of an edge count, in the order of ``mesh.on_edge``; 1 where all of it is seen.
+def carried_shares(
+    mesh: Mesh,
+    load_case: Int[np.ndarray, " step"],
+    P: Float[np.ndarray, "step cell 2 2"],
+    shares: Float[np.ndarray, "case axis"],
+) -> Float[np.ndarray, "step axis"]:
+    """``carried`` of :class:`Section` at every step, across each axis; 1 where all of the section is seen.
 
     Args:
-        share: of the sheet's side along the edge.
+        P: stress of an identified field, times the relative thickness.
+        shares: of :func:`seen_shares`.
     """
-    along = 1 - EDGES[edge][0]
-    place, width = mesh.nodes[mesh.on_edge(edge), along], float(mesh.size[along])
-    strip, band = strips(width, share)
-    rim = np.minimum(place - mesh.lower[along], mesh.upper[along] - place)
-    own = float(np.median(np.diff(np.unique(place))))
-    inside = np.clip((band - rim) / own + 0.5, 0.0, 1.0)
-    return share * (1.0 + strip / band * inside)
+    found = np.ones((len(P), 2))
+    for step, axis in np.ndindex(found.shape):
+        share = shares[load_case[step], 1 - axis]
+        if share < 1.0:
+            found[step, axis] = section(mesh, P[step], axis, share).carried
+    return found
+
+
+def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: float) -> Section:
+    """What the seen part of the sections across an axis tells of their force.
+
+    Two checks give its uncertainty. Every section carries the same force, so the scatter over sections is an error. A
+    band within the sheet, as wide as the strip, differs from the band beside it. From a rim to the middle of a strip it
+    is half as far as from one band to the next, and the errors of both sides are independent. What free sides take is
+    known to a size of its own.
+
+    Args:
+        P: stress of every cell, times the relative thickness.
+        axis: of the normal of the sections.
+        share: seen part of their width.
+    """
+    normal, sizes = _on_sections(mesh, P[:, axis, axis], axis)
+    across, _ = _on_sections(mesh, P[:, 1 - axis, 1 - axis], axis)
+    width = float(sizes.sum())
+    strip = 0.5 * width * (1.0 / share - 1.0)
+    seen, free = np.nansum(normal * sizes, axis=1), normal - FREE * across
+    whole = seen + strip * (free[:, 0] + free[:, -1])
+    force = float(np.nanmedian(whole))
+    band = min(max(strip, NARROWEST * width), 0.5 * width)
+    ends = np.cumsum(sizes) - 0.5 * sizes
+    missed = []
+    for near in (ends, width - ends):
+        beside = np.nanmean(normal[:, (near >= band) & (near < 2.0 * band + 1e-9)], axis=1)
+        missed.append(np.nanmean(normal[:, near < band], axis=1) - beside)
+    of_strips = 0.5 * (1.0 - share) * np.sqrt(0.5 * np.nanmean(np.square(missed))) * width / (share * abs(force))
+    taken = strip * FREE * (np.nanmedian(across[:, 0]) + np.nanmedian(across[:, -1])) / force
+    return Section(
+        carried=0.5 * float(seen[0] + seen[-1]) / (share * force),
+        uncertainty=float(np.linalg.norm([np.nanstd(whole) / force, of_strips, taken])),
+    )
+
+
+def _on_sections(mesh: Mesh, values: Float[np.ndarray, " cell"], axis: int):
+    """(values by section and place along it, NaN in a hole; widths of those places)."""
+    lines = mesh.lines
+    sizes = np.diff(lines[1 - axis])
+    centres = mesh.centres
+    place = [np.searchsorted(lines[k], centres[:, k]) - 1 for k in (axis, 1 - axis)]
+    grid = np.full((len(lines[axis]) - 1, len(sizes)), np.nan)
+    grid[place[0], place[1]] = values
+    return grid, sizes

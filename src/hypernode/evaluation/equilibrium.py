@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from hypernode.data.loading import Loading
 from hypernode.data.measurement import relative_thickness, relaxation
-from hypernode.data.seen_share import section_weights, seen_shares
+from hypernode.data.seen_share import carried_shares, seen_shares
 from hypernode.evaluation.judgement import Judgement
 from hypernode.fem.equilibrium_gap import relative_gap
 from hypernode.fem.mesh import EDGES, Mesh
@@ -43,19 +43,19 @@ def prescribed_nodes(mesh: Mesh, loading: Loading) -> Bool[np.ndarray, "step nod
 
 
 def edge_resultants(
-    mesh: Mesh, loading: Loading, nodal: Float[np.ndarray, "step node 2"], shares: Float[np.ndarray, "case axis"]
+    mesh: Mesh, loading: Loading, nodal: Float[np.ndarray, "step node 2"], carried: Float[np.ndarray, "step axis"]
 ) -> Float[np.ndarray, "step edge 2"]:
     """Outward force on each edge, per unit thickness; NaN where the displacement is not prescribed.
 
     Args:
-        shares: measured part of each side of the sheet; the strip beside it carries the traction of the rim.
+        carried: of :func:`~hypernode.data.seen_share.carried_shares`; by it what edges of a part of a sheet carry
+            becomes the share of the width of what the sheet does.
     """
     forces = np.full((len(nodal), len(EDGES), 2), np.nan)
     for index, (edge, (axis, _)) in enumerate(EDGES.items()):
-        weights = np.array([section_weights(mesh, edge, share) for share in shares[:, 1 - axis]])[loading.load_case]
         for i in range(2):
             steps = loading.constrained[loading.load_case, index, i]
-            forces[steps, index, i] = (weights * nodal[:, mesh.on_edge(edge), i])[steps].sum(axis=1)
+            forces[steps, index, i] = (nodal[:, mesh.on_edge(edge), i].sum(axis=1) / carried[:, axis])[steps]
     return forces
 
 
@@ -104,7 +104,8 @@ def score_equilibrium(
     # What is in equilibrium is the force per length, the stress times the thickness.
     P = P * relative_thickness(measurement)[:, None, None]
     nodal = nodal_forces(mesh, P)
-    forces = edge_resultants(mesh, loading, nodal, seen_shares(measurement))
+    carried = carried_shares(mesh, loading.load_case, P, seen_shares(measurement))
+    forces = edge_resultants(mesh, loading, nodal, carried)
     forces *= float(measurement.attrs["thickness"]) * relaxation(measurement)
     constrained = loading.constrained[loading.load_case]
     strain = np.asarray(largest_principal_strain(np.moveaxis(F, (2, 3), (0, 1))))

@@ -19,15 +19,16 @@ from hypernode.data.measurement import (
     force_gain_uncertainty,
     force_offset_uncertainty,
     force_uncertainty,
+    is_cut_out,
     mesh_of,
     relative_thickness,
     stress_resultants,
 )
-from hypernode.data.seen_share import seen_shares
+from hypernode.data.seen_share import section, seen_shares
 from hypernode.evaluation.conditioning import posterior_uncertainty
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.thresholds import SETTINGS, Threshold
-from hypernode.evaluation.unseen_share import unseen_share
+from hypernode.fem.mesh import Mesh
 from hypernode.verdict import Criterion
 
 #: The input that depends on the field: what the points do not see of the sections.
@@ -128,7 +129,7 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
     by_zero = np.divide(of_case, force, out=np.zeros_like(force), where=force > 0.0)
     known = _zero_after(measurement, loading, by_zero, weights, zero)
     thickness, pixel = (float(measurement.attrs.get(f"{key}_uncertainty", 0.0)) for key in ("thickness", "pixel_size"))
-    share, seen = unseen_share(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
+    share, seen = _unseen(measurement, mesh, loading, shares, P * relative_thickness(measurement)[:, None, None])
     # Of a part of the sheet the stated width rules. Where all is seen, the section is measured in pixels.
     pixel_level = pixel if seen >= 1.0 else 0.0
     relaxation, pairing = (_open(measurement, name) for name in (RELAXATION_OPEN, PAIRING_OPEN))
@@ -149,6 +150,19 @@ def level_budget(measurement: xr.Dataset, P: Float[np.ndarray, "step cell 2 2"])
         *(Part.found(key, value, "record") for key, value in open_of.items()),
     ]
     return LevelBudget(tuple(parts), seen)
+
+
+def _unseen(measurement: xr.Dataset, mesh: Mesh, loading: Loading, shares, P) -> tuple[float, float]:
+    """(relative uncertainty of the force by what is not seen of the sections, smallest share that is seen)."""
+    found, seen = [0.0], [1.0]
+    if not is_cut_out(measurement):
+        return 0.0, 1.0
+    for case, axis in np.ndindex(shares.shape):
+        steps, along = np.flatnonzero(loading.load_case == case), shares[case, 1 - axis]
+        if along < 1.0 and loading.measured[steps, axis, axis].any():
+            found.append(section(mesh, P[steps[-1]], axis, along).uncertainty)
+            seen.append(float(along))
+    return max(found), min(seen)
 
 
 def level_of(budget: LevelBudget | None, *names: str) -> float:

@@ -6,9 +6,10 @@ over all of it. Materials and lines cannot follow that, and bend to take a part 
 
 import numpy as np
 
+from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.gradual import BENDS
-from hypernode.identification.parting import Beside, Parting
+from hypernode.identification.parting import Parting
 from hypernode.identification.trend import trend
 
 

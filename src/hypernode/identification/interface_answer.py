@@ -19,6 +19,7 @@ from hypernode.identification.objective import Objective
 from hypernode.identification.regulariser import JumpCost
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
+from hypernode.identification.unseen_strips import with_carried_shares
 from hypernode.identification.window_error import changed_by_window, told_errors
 
 #: Steps of the last descent, which begins where the search ended.
@@ -46,7 +47,15 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     if found is None:
         return None
     # Steps that the search left out may tell a term more.
-    return _estimate(trials, LawSearch(trials, every, False).end(found))
+    found = LawSearch(trials, every, False).end(found)
+    estimate = _estimate(trials, found)
+    told = with_carried_shares(trials.measurement, estimate)
+    if told is None:
+        return estimate
+    trials.believe(told)
+    problem, move = trials.problem(found.terms, found.subcells, floor), "what is beside the points"
+    again = trials.descend(move, found, problem, found.fit.field, found.u, every, STEPS)
+    return estimate if again is None else _estimate(trials, again)
 
 
 def _near(kept: Candidate, step: int) -> np.ndarray:

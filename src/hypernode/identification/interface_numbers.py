@@ -89,7 +89,7 @@ class Derivatives:
 def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Float[np.ndarray, " bend"]]]:
     """(how bends change with each number, the bends as they are) of every line, over how much lines usually bend."""
     bends, found = field.lines.grid.bends, []
-    middle, whole = np.asarray(bends.argmin(axis=1)).ravel(), np.asarray(abs(bends).sum(axis=1)).ravel()
+    middle, whole = bends.indices[bends.data < 0.0], np.asarray(abs(bends).sum(axis=1)).ravel()
     for row, move in zip(field.distances, moves, strict=True):
         inside = (np.diff(move.indptr) > 0).astype(float)
         rows = np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT))

@@ -15,6 +15,7 @@ from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
 from hypernode.data.measurement import window_sought
 from hypernode.identification.bent_edges import with_bent_edges
+from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.common_trend import with_common_trend
 from hypernode.identification.finer_grid import on_measured_grid
@@ -27,7 +28,7 @@ from hypernode.identification.merging import merged
 from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
-from hypernode.identification.parting import FAR_FROM_NOISE, Beside, Parting
+from hypernode.identification.parting import FAR_FROM_NOISE, Parting
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.settings import Strategy
 from hypernode.identification.small_steps import from_smallest
@@ -104,7 +105,7 @@ class Search:
             common = with_common_trend(parting, one, beside, kept)
             if common is not kept:
                 kept, finer = self._finer_and_plainer(self._merged(self._with_law(common)))
-        elif len(kept.fit.field.gradual) and (alone := self._without_change(finer, alone or self._finer(one))):
+        elif len(kept.fit.field.gradual) and (alone := self._without_change(finer, one)):
             return alone, alone
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
             cells = MosaicSearch(trials, self._steps).instead_of(kept, finer)
@@ -142,15 +143,23 @@ class Search:
             self._trials.passed_over(cells, "leaves more than noise")
         return None
 
-    def _without_change(self, gradual: Candidate, alone: Candidate) -> Candidate | None:
+    def _without_change(self, gradual: Candidate, one: Candidate) -> Candidate | None:
         """One material on finer elements, where it explains the test without a gradual change."""
-        alone = self._of_one(alone)
+        problem, trials, (material,) = gradual.problem, self._trials, gradual.fit.field.materials
+        plain = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), material)
+        without = trials.descend("without the change", gradual, problem, plain, gradual.u, self._steps, NEAR)
+        if without is not None:
+            trials.passed_over(without, f"scores {gradual.gain_over(without):+.1f} against a gradual change")
+        # Where the change explains most of what its law alone leaves, no other law is sought.
+        if without is None or gradual.halves(without):
+            return None
+        alone = self._of_one(self._finer(one))
         gain = alone.gain_over(gradual)
         if gain > -EVIDENCE or not alone.leaves_more_than_noise:
             why = f"scores {gain:+.1f} against" if gain > -EVIDENCE else "is not needed beside"
-            self._trials.passed_over(gradual, f"{why} one material on finer elements")
+            trials.passed_over(gradual, f"{why} one material on finer elements")
             return alone
-        self._trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
+        trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")
         return None
 
     def _gradual_instead(self, finer: Candidate, parting: Parting) -> Candidate | None:

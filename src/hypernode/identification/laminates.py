@@ -22,12 +22,33 @@ STEPS, SMALL = 30, 1e-6
 NEAREST = 0.8
 
 
+class Jumps(NamedTuple):
+    """Jumps at which tractions agree, and how they follow the mean deformation gradient.
+
+    Attributes:
+        F: mean deformation gradient [i, J, point].
+        jump: [k, point].
+        by_F: its derivative [k, i, J, point].
+    """
+
+    F: Float[np.ndarray, "2 2 point"]
+    jump: Float[np.ndarray, "2 point"]
+    by_F: Float[np.ndarray, "2 2 2 point"]
+
+    def near(self, F, share, normal) -> Float[np.ndarray, "2 point"]:
+        """Jumps under another F to first order; none where a side would lose most of its area."""
+        jump = self.jump + np.einsum("kiJn,iJn->kn", self.by_F, F - self.F)
+        areas = [_area(side) for side in _sides(F, share, jump, normal)]
+        return np.where(np.minimum(*areas) > (1.0 - NEAREST) * _area(F), jump, 0.0)
+
+
 class LaminateStress(NamedTuple):
     """Stress of layers [i, J, point] and its derivatives; the last four only where they were asked for.
 
     The derivative by the normal [i, J, k, point] is that of all vectors, of which only turning ones change the stress.
     """
 
+    jumps: Jumps
     P: Float[np.ndarray, "2 2 point"]
     by_F: Float[np.ndarray, "2 2 2 2 point"]
     by_first: Float[np.ndarray, "2 2 parameter point"] | None
@@ -36,7 +57,9 @@ class LaminateStress(NamedTuple):
     by_normal: Float[np.ndarray, "2 2 2 point"] | None
 
 
-def laminate(points: Points, F, first, second, share, normal, with_parameters: bool) -> LaminateStress:
+def laminate(
+    points: Points, F, first, second, share, normal, with_parameters: bool, near: Jumps | None = None
+) -> LaminateStress:
     """The stress of layers under the mean deformation gradient F.
 
     Args:
@@ -45,9 +68,11 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
         share: of the first side (point,).
         normal: of the plane (2, point).
         with_parameters: whether derivatives by parameters, share and normal are wanted.
+        near: jumps of the same layers under an F near this one.
     """
     c, N = share, normal
-    a = _jump(points, F, first, second, share, normal)
+    begun = np.zeros_like(normal) if near is None else near.near(F, share, normal)
+    a = _jump(points, F, first, second, share, normal, begun)
     F_A, F_B = _sides(F, c, a, N)
     if with_parameters:
         P_A, A, D_A = points.all(F_A, first)
@@ -60,16 +85,20 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
     to_jump = c * (1.0 - c) * np.einsum("iJkLn,Ln->iJkn", difference, N)
     of_F = np.einsum("iJkLn,Jn->ikLn", difference, N)
 
+    def closing(gap_by):
+        """How the jump answers to what changes the gap of tractions [k, ..., point]."""
+        return -_solved(stiffness, gap_by.reshape(2, -1, gap_by.shape[-1])).reshape(gap_by.shape)
+
     def through_jump(gap_by):
         """What a change of the gap of tractions makes of the stress, as the jump closes it again."""
         shape = gap_by.shape
-        jump = -_solved(stiffness, gap_by.reshape(2, -1, shape[-1]))
+        jump = closing(gap_by).reshape(2, -1, shape[-1])
         return np.einsum("iJkn,kmn->iJmn", to_jump, jump).reshape(2, 2, *shape[1:])
 
     P = c * P_A + (1.0 - c) * P_B
-    by_F = mean + through_jump(of_F)
+    by_F, jumps = mean + through_jump(of_F), Jumps(F, a, closing(of_F))
     if not with_parameters:
-        return LaminateStress(P, by_F, None, None, None, None)
+        return LaminateStress(jumps, P, by_F, None, None, None, None)
     by_first = c * D_A + through_jump(np.einsum("iJpn,Jn->ipn", D_A, N))
     by_second = (1.0 - c) * D_B - through_jump(np.einsum("iJpn,Jn->ipn", D_B, N))
     across = a[:, None] * N[None]
@@ -78,7 +107,7 @@ def laminate(points: Points, F, first, second, share, normal, with_parameters: b
     by_share = by_share + through_jump(gap_by_share[:, None])[:, :, 0]
     gap_by_normal = np.einsum("iJkLn,kn,Jn->iLn", (1.0 - c) * A + c * B, a, N) + P_A - P_B
     by_normal = c * (1.0 - c) * np.einsum("iJkLn,kn->iJLn", difference, a) + through_jump(gap_by_normal)
-    return LaminateStress(P, by_F, by_first, by_second, by_share, by_normal)
+    return LaminateStress(jumps, P, by_F, by_first, by_second, by_share, by_normal)
 
 
 def _sides(F, c, a, N):
@@ -87,13 +116,16 @@ def _sides(F, c, a, N):
     return F + (1.0 - c) * across, F - c * across
 
 
-def _jump(points: Points, F, first, second, share, normal) -> Float[np.ndarray, "2 point"]:
+def _jump(points: Points, F, first, second, share, normal, begun) -> Float[np.ndarray, "2 point"]:
     """The jump at which tractions agree: the minimum of the energy of both sides, which is convex in it.
 
     Steps of Newton's method end before a side is turned inside out; points whose jump is found take no part in the
     next ones.
+
+    Args:
+        begun: jump from which the first step goes.
     """
-    jump, open_ = np.zeros_like(normal), np.arange(len(share))
+    jump, open_ = begun.copy(), np.arange(len(share))
     for _ in range(STEPS):
         c, N, a, mean = share[open_], normal[:, open_], jump[:, open_], F[..., open_]
         F_A, F_B = _sides(mean, c, a, N)

@@ -4,9 +4,10 @@ Pieces of the same materials come first. Then another cut into more materials st
 them: what either leaves decides (docs/decisions/0199).
 """
 
+from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.common_trend import with_common_trend
-from hypernode.identification.parting import Beside, Parting
+from hypernode.identification.parting import Parting
 from hypernode.identification.pieces import with_pieces
 
 

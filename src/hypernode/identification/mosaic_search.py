@@ -4,10 +4,11 @@ import dataclasses
 
 import numpy as np
 
+from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
-from hypernode.identification.parting import MOST, Beside
+from hypernode.identification.parting import MOST
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import FAR, Trials
 

@@ -5,21 +5,18 @@ factor, cut into two, three and four levels, is where materials and lines begin.
 explains more of the test than its numbers cost. One material that changes gradually stands beside them.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from jaxtyping import Float, Int
 
+from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.law_search import stiffness_of, turned
+from hypernode.identification.law_search import turned
 from hypernode.identification.merging import merged
-from hypernode.identification.partition import parts
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.stiffness import ByCell, CellDescent
+from hypernode.identification.stiffness import CellDescent
 from hypernode.identification.trend import trend
-from hypernode.identification.trials import FAR, Trials
+from hypernode.identification.trials import FAR, NEAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
 
@@ -29,58 +26,6 @@ MOST = 4
 WINDOW = 1.5
 #: What one material leaves of a load step, over noise, from which the step tells where materials are.
 FAR_FROM_NOISE = 5.0
-
-
-class Beside(NamedTuple):
-    """Numbers of every cell, on top of what is known.
-
-    Attributes:
-        problem: with the law that has these numbers.
-        known: materials and lines.
-        columns: parameters of the materials that the numbers add to.
-        descent: of the numbers.
-        found: the numbers, None without equilibrium.
-        steps: load steps that they explain.
-        u: displacement of every load step before.
-    """
-
-    problem: FieldProblem
-    known: Interfaces
-    columns: list[int]
-    descent: CellDescent
-    found: ByCell | None
-    steps: list[int]
-    u: dict
-
-    @property
-    def reached(self) -> dict:
-        """Displacement of every load step with the numbers."""
-        return {**self.u, **{k: state[0] for k, state in zip(self.steps, self.found.states, strict=True)}}
-
-    def parts(self, count: int, squared: bool = False):
-        """(part of every cell, material of every part) of so many parts of about equal numbers.
-
-        Args:
-            squared: of :func:`~hypernode.identification.partition.levels`.
-        """
-        numbers = self._of_materials[self.known.labels()] + self.found.values
-        return parts(numbers, count, self.known, self.columns, self._of_materials, squared)
-
-    def towards(self, way: float) -> Int[np.ndarray, " cell"]:
-        """The material towards which the numbers of every cell go at least so far of the way; else its own.
-
-        Args:
-            way: share of the distance between two materials.
-        """
-        numbers = self._of_materials[self.known.labels()] + 0.5 / way * self.found.values
-        return np.linalg.norm(numbers[:, None] - self._of_materials, axis=2).argmin(axis=1)
-
-    @property
-    def _of_materials(self) -> Float[np.ndarray, "material number"]:
-        """The stiffness of every material, and its own values of the other numbers."""
-        numbers = self.known.materials[:, self.columns].copy()
-        numbers[:, 0] = stiffness_of(self.problem, self.known.materials)
-        return numbers
 
 
 class Parting:
@@ -200,8 +145,8 @@ class Parting:
             # Numbers of every cell leave what more materials might explain.
             if not kept.leaves_more_than_noise or kept.fit.misfit <= beside.found.misfit:
                 break
-        if first and len(beside.columns) == 1:
-            kept = self._gradual(begun, known, beside.found.values[:, 0], u, kept)
+        if first:
+            kept = self._gradual(begun, beside, kept)
         if len(kept.fit.field.gradual):
             return kept
         return merged(trials, kept, self.steps, self.finds_window)
@@ -237,14 +182,20 @@ class Parting:
         field, u = Interfaces.around(beside.known.lines, materials, labels), beside.reached
         return self._descend(f"{count} materials and lines, cut by squares", one, beside, field, u)
 
-    def _gradual(self, begun: Candidate, known: Interfaces, factor, u, kept: Candidate) -> Candidate:
+    def _gradual(self, begun: Candidate, beside: Beside, kept: Candidate) -> Candidate:
         """One material that changes gradually, where few materials explain the test no better."""
-        self.gradual = best = trend(self.trials, begun, known, factor, u, self.steps, False, kept)
+        trials, u, known, factor = self.trials, beside.reached, beside.known, beside.found.values[:, 0]
+        if len(beside.columns) > 1:
+            # Fibres are those of most cells.
+            _, materials = beside.parts(1)
+            known, factor = known.with_law(materials), factor - np.mean(factor)
+            begun = trials.descend("one material with fibres", begun, beside.problem, known, u, self.steps, NEAR)
+        best = begun and trend(trials, begun, known, factor, u, self.steps, False, kept)
         if best is None:
             return kept
-        gain = best.gain_over(kept)
+        self.gradual, gain = best, best.gain_over(kept)
         if gain > -EVIDENCE:
-            self.trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
+            trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
             return best
-        self.trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
+        trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
         return kept

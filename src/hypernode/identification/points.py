@@ -1,4 +1,4 @@
-"""Stress of a law at many points, and its derivatives, compiled once for blocks of each of two sizes."""
+"""Stress of a law at many points, and its derivatives, compiled once for blocks of one size."""
 
 import functools
 from typing import NamedTuple
@@ -10,10 +10,8 @@ from jaxtyping import Float
 
 from hypernode.mechanics.point_law import PointLaw
 
-#: Points in a compiled call: more than a core works through without waiting, and few enough to stay in its cache.
-BLOCK = 2048
-#: Points in a call where there are few, as in cells that lines cut, and up to how many points those are.
-SMALL_BLOCK, FEW = 256, 1024
+#: Points in a compiled call: enough that a call costs more than to begin it, and few where lines cut few cells.
+BLOCK = 512
 
 
 class PointStress(NamedTuple):
@@ -81,10 +79,9 @@ class Points:
     def _blocks(function, F, params):
         """Results of a compiled function whose last axis are points, block by block."""
         count, found = F.shape[-1], []
-        size = SMALL_BLOCK if count <= FEW else BLOCK
-        for first in range(0, count, size):
-            given = [each[..., first : first + size] for each in (F, params)]
-            if missing := size - given[0].shape[-1]:
+        for first in range(0, count, BLOCK):
+            given = [each[..., first : first + BLOCK] for each in (F, params)]
+            if missing := BLOCK - given[0].shape[-1]:
                 # What fills the last block is its last point again.
                 given = [np.concatenate([each, np.repeat(each[..., -1:], missing, axis=-1)], axis=-1) for each in given]
             found.append(function(*given))

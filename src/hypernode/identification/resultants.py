@@ -12,7 +12,7 @@ from hypernode.data.measurement import (
     is_cut_out,
     stress_resultants,
 )
-from hypernode.data.seen_share import section_weights, seen_shares
+from hypernode.data.seen_share import believed_shares
 from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh
 from hypernode.identification.settings import Strategy
 
@@ -54,13 +54,13 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
 
     A load cell tells one force, so that both edges are one datum. Their balance gives the other edge. A grid that is
     cut out of a larger sheet is treated otherwise, since its sides carry forces that are not known. There the mean of
-    both edges counts, with what is beside the points as their rim has it (:mod:`hypernode.data.seen_share`).
+    both edges counts, and what they carry of the force of the whole sheet (:mod:`hypernode.data.seen_share`).
 
     Args:
         mesh: on whose nodes they act.
         relative: uncertainty of the forces of each step over their size.
     """
-    force, shares = stress_resultants(measurement), seen_shares(measurement)
+    force, carried = stress_resultants(measurement), believed_shares(measurement)
     gains, offsets = force_gain_uncertainty(measurement), force_offset_uncertainty(measurement)
     load_case, cut = measurement["load_case"].values, is_cut_out(measurement)
     constrained = measurement["edge_constrained"].values > 0
@@ -80,8 +80,8 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
             for e in known:
                 edge = EDGE_NAMES[e]
                 sign = outward * EDGES[edge][1] / len(known)
-                direction[mesh.on_edge(edge), i] = sign * section_weights(mesh, edge, shares[case, 1 - axis])
-                value += sign * float(force[step, e, i])
+                direction[mesh.on_edge(edge), i] = sign
+                value += sign * carried[step, axis] * float(force[step, e, i])
             sigma = relative[step] * max(abs(value), strategy.smallest_force * largest[step])
             of_channel = force[load_case == case][:, [2 * axis, 2 * axis + 1], i]
             offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))

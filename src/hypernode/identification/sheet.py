@@ -9,11 +9,13 @@ from jaxtyping import Float, Int
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Pieces
-from hypernode.identification.laminates import LaminateStress, laminate
+from hypernode.identification.laminates import Jumps, LaminateStress, laminate
 from hypernode.identification.points import Points
 
 #: Newton steps to equilibrium at most.
 STEPS = 12
+#: A step leaves about the square of a small residual; by which share of the tolerance that counts as small.
+SQUARE = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,11 +34,21 @@ class CellMaterials(Pieces):
     one: Int[np.ndarray, " cell"]
     factor: Float[np.ndarray, " cell"]
 
-    def layers(self, points: Points, F: Float[np.ndarray, "2 2 quad piece"], with_parameters: bool) -> LaminateStress:
-        """What each pair of layers answers to the deformation of its cell [..., quad and piece]."""
+    def layers(
+        self,
+        points: Points,
+        F: Float[np.ndarray, "2 2 quad piece"],
+        with_parameters: bool,
+        near: Jumps | None = None,
+    ) -> LaminateStress:
+        """What each pair of layers answers to the deformation of its cell [..., quad and piece].
+
+        Args:
+            near: of the same layers under a deformation near this one.
+        """
         given = self.materials[self.first].T, self.materials[self.second].T, self.share, self.normal.T
         each = (np.tile(part, F.shape[2]) for part in given)
-        return laminate(points, F.reshape(2, 2, -1), *each, with_parameters)
+        return laminate(points, F.reshape(2, 2, -1), *each, with_parameters, near)
 
     def mean(self, of_pieces: Float[np.ndarray, "... piece"], count: int) -> Float[np.ndarray, "... cell"]:
         """Weighted means over the pieces of every cell, zero in cells that no line cuts."""
@@ -99,6 +111,11 @@ class Sheet:
 
     def response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials, with_parameters: bool = False):
         """(nodal forces (degree of freedom,), their tangent (sparse), :class:`CellResponse` or None)."""
+        force, tangent, cells, _ = self._response(u, of, with_parameters)
+        return force, tangent, cells
+
+    def _response(self, u, of: CellMaterials, with_parameters: bool = False, near: Jumps | None = None):
+        """The same, with the jumps of the layers, which begin near those of a displacement nearby."""
         F = self._deformation(u)
         shape, flat = F.shape, F.reshape(2, 2, -1)
         quads, whole = shape[2], np.bincount(of.cell, minlength=shape[3]) == 0
@@ -107,9 +124,10 @@ class Sheet:
             P, A, D = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.all(flat, every))
         else:
             P, A = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.stress(flat, every))
-        cells = None
+        cells = jumps = None
         if len(of.cell):
-            layers = of.layers(self.points, F[..., of.cell], with_parameters)
+            layers = of.layers(self.points, F[..., of.cell], with_parameters, near)
+            jumps = layers.jumps
             P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), shape[3])
             A = A * whole + of.mean(layers.by_F.reshape(2, 2, 2, 2, quads, -1), shape[3])
         P, A = P * of.factor, A * of.factor
@@ -122,7 +140,7 @@ class Sheet:
         K = np.einsum("aikLqc,bLqc->caibk", half, self._B, optimize=True).reshape(-1)
         data = np.bincount(self._place, K, len(self._pattern[0]))
         matrix = scipy.sparse.csc_matrix((data, *self._pattern), 2 * (self.mesh.nodes.size,))
-        return np.bincount(self.mesh.dofs.ravel(), force.ravel(), self.mesh.nodes.size), matrix, cells
+        return np.bincount(self.mesh.dofs.ravel(), force.ravel(), self.mesh.nodes.size), matrix, cells, jumps
 
     def by_materials(self, u: Float[np.ndarray, "node 2"], of: CellMaterials):
         """Derivative of the nodal forces by materials: of uncut cells, of the first and second of pairs of layers.
@@ -163,10 +181,10 @@ class Sheet:
 
     def equilibrium(self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float):
         """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none."""
-        u = guess.copy()
+        u, jumps = guess.copy(), None
         fixed = np.setdiff1d(np.arange(u.size), free)
         for _ in range(STEPS):
-            force, K, _ = self.response(u, of)
+            force, K, _, jumps = self._response(u, of, near=jumps)
             size = np.linalg.norm(force[free]) / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
             if not np.isfinite(size):
                 return None
@@ -175,6 +193,8 @@ class Sheet:
             step = np.zeros(u.size)
             step[free] = factorise(K[free][:, free]).solve(force[free])
             u = u - step.reshape(u.shape)
+            if size**2 <= SQUARE * tolerance:
+                return u, force - K @ step, K
         return None
 
 

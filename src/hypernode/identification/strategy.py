@@ -19,9 +19,11 @@ from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.gauss_newton import IdentificationError, descend
+from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_search import Search
 from hypernode.identification.problem import FieldProblem, field_problem
 from hypernode.identification.settings import STRATEGY, Strategy
+from hypernode.identification.unseen_strips import with_carried_shares
 from hypernode.identification.volume import Parts, of_either
 from hypernode.progress import say
 from hypernode.trace import table
@@ -45,6 +47,11 @@ def identify(measurement: xr.Dataset, settings: Constrained, name: str, strategy
         lambda each: of_parts(measurement, each, name, strategy),
         lambda each: of_cells(measurement, each, name, strategy),
     )
+    told = None if isinstance(found, InterfaceEstimate) else with_carried_shares(measurement, found)
+    if told is not None:
+        of_law = settings.model_copy(update={"terms": list(found.basis.terms)})
+        problem = field_problem(told, of_law, strategy=strategy)
+        found = descend(problem, of_law, name, found, settings.tolerance, "what is beside the points").after(found)
     for line in table(found.trace.rows(found.trial)):
         say("constrained", name, line)
     _warn(found, settings, name)

@@ -2,16 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
-import xarray as xr
-from jaxtyping import Float
-
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import mesh_of
 from hypernode.evaluation.level_budget import level_budget, table
-from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.known_shape import of_shape
+from hypernode.identification.unseen_strips import stress_of
 from hypernode.prediction.layout import one_phase
 from hypernode.stages.constrained import write_field
 from hypernode.stages.prediction import pictured
@@ -40,7 +36,7 @@ def run(
     shape = one_phase(mesh_of(measurement)) if picture is None else pictured(picture, flipped, count, measurement)
     found = of_shape(measurement, shape.distances, settings, name)
     output.mkdir(parents=True, exist_ok=True)
-    budget = level_budget(measurement, _stress(found, measurement))
+    budget = level_budget(measurement, stress_of(found, measurement))
     said = {
         "level_budget": [] if budget is None else table(budget),
         "rule": "hypernode phases",
@@ -48,10 +44,3 @@ def run(
     }
     write_field(found, measurement, settings, name, str(output / "constrained.nc"), said, [str(measurement_file)])
     return found
-
-
-def _stress(found: InterfaceEstimate, measurement: xr.Dataset) -> Float[np.ndarray, "step cell 2 2"]:
-    """First Piola-Kirchhoff stress at the centre of every cell."""
-    u = np.stack([state.u[found.problem.refinement.nodes] for state in found.states])
-    F = np.moveaxis(deformation_gradient(mesh_of(measurement), u), (2, 3), (0, 1))
-    return np.moveaxis(np.asarray(found.basis.stress(F, found.by_parts)), (0, 1), (2, 3))
