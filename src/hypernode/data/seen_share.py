@@ -1,10 +1,12 @@
 """A load cell's force over a sheet of which a part is seen: what is beside the points carries what their rim carries.
 
 The force of a section is the sum over the seen width w and the strips m on either side of it, W = w + 2 m in all. A
-strip has the material of the rim beside it and is stretched as that is. Its outer side is free, so that it carries no
-stress across. At equal stretch, what keeps its volume then carries less by half of the stress across the rim,
+strip has the material of the rim beside it and is stretched as that is,
 
     F = ∫_w P_N ds + Σ_sides m (P_N - P_T / 2)_rim.
+
+The last part is of sides that are free. Such a strip carries no stress across. At equal stretch, what keeps its volume
+then carries less by half of that stress. Of sides that are pulled as well there is none.
 
 Every section carries the same force. What is not seen differs from the rim at some sections and not at others, so that
 the median over all sections counts. Measured resultants are the share w / W of F, as in a uniform sheet.
@@ -15,9 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from hypernode.fem.mesh import Mesh
+from hypernode.data.loading import Loading
+from hypernode.fem.mesh import EDGES, Mesh
 
 #: Attribute of a measurement that keeps :func:`carried_shares`, once a field has told them.
 CARRIED = "carried_share"
@@ -53,7 +56,7 @@ def believed_shares(measurement: xr.Dataset) -> Float[np.ndarray, "step axis"]:
 
 def carried_shares(
     mesh: Mesh,
-    load_case: Int[np.ndarray, " step"],
+    loading: Loading,
     P: Float[np.ndarray, "step cell 2 2"],
     shares: Float[np.ndarray, "case axis"],
 ) -> Float[np.ndarray, "step axis"]:
@@ -65,13 +68,20 @@ def carried_shares(
     """
     found = np.ones((len(P), 2))
     for step, axis in np.ndindex(found.shape):
-        share = shares[load_case[step], 1 - axis]
+        case = loading.load_case[step]
+        share = shares[case, 1 - axis]
         if share < 1.0:
-            found[step, axis] = section(mesh, P[step], axis, share).carried
+            found[step, axis] = section(mesh, P[step], axis, share, has_free_sides(loading, case, axis)).carried
     return found
 
 
-def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: float) -> Section:
+def has_free_sides(loading: Loading, case: int, axis: int) -> bool:
+    """Whether nothing holds the sides of a sheet that are along the normal of its sections."""
+    sides = [number for number, (normal, _) in enumerate(EDGES.values()) if normal != axis]
+    return not loading.constrained[case, sides].any()
+
+
+def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: float, free: bool) -> Section:
     """What the seen part of the sections across an axis tells of their force.
 
     Two checks give its uncertainty. Every section carries the same force, so the scatter over sections is an error. A
@@ -83,13 +93,14 @@ def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: floa
         P: stress of every cell, times the relative thickness.
         axis: of the normal of the sections.
         share: seen part of their width.
+        free: of :func:`has_free_sides`.
     """
     normal, sizes = _on_sections(mesh, P[:, axis, axis], axis)
     across, _ = _on_sections(mesh, P[:, 1 - axis, 1 - axis], axis)
     width = float(sizes.sum())
     strip = 0.5 * width * (1.0 / share - 1.0)
-    seen, free = np.nansum(normal * sizes, axis=1), normal - FREE * across
-    whole = seen + strip * (free[:, 0] + free[:, -1])
+    seen, taken = np.nansum(normal * sizes, axis=1), (FREE if free else 0.0) * across
+    whole = seen + strip * (normal - taken)[:, [0, -1]].sum(axis=1)
     force = float(np.nanmedian(whole))
     band = min(max(strip, NARROWEST * width), 0.5 * width)
     ends = np.cumsum(sizes) - 0.5 * sizes
@@ -98,10 +109,10 @@ def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: floa
         beside = np.nanmean(normal[:, (near >= band) & (near < 2.0 * band + 1e-9)], axis=1)
         missed.append(np.nanmean(normal[:, near < band], axis=1) - beside)
     of_strips = 0.5 * (1.0 - share) * np.sqrt(0.5 * np.nanmean(np.square(missed))) * width / (share * abs(force))
-    taken = strip * FREE * (np.nanmedian(across[:, 0]) + np.nanmedian(across[:, -1])) / force
+    by_sides = strip * np.nanmedian(taken[:, [0, -1]], axis=0).sum() / force
     return Section(
         carried=0.5 * float(seen[0] + seen[-1]) / (share * force),
-        uncertainty=float(np.linalg.norm([np.nanstd(whole) / force, of_strips, taken])),
+        uncertainty=float(np.linalg.norm([np.nanstd(whole) / force, of_strips, by_sides])),
     )
 
 

@@ -104,7 +104,7 @@ def score_equilibrium(
     # What is in equilibrium is the force per length, the stress times the thickness.
     P = P * relative_thickness(measurement)[:, None, None]
     nodal = nodal_forces(mesh, P)
-    carried = carried_shares(mesh, loading.load_case, P, seen_shares(measurement))
+    carried = carried_shares(mesh, loading, P, seen_shares(measurement))
     forces = edge_resultants(mesh, loading, nodal, carried)
     forces *= float(measurement.attrs["thickness"]) * relaxation(measurement)
     constrained = loading.constrained[loading.load_case]

@@ -24,7 +24,7 @@ from hypernode.data.measurement import (
     relative_thickness,
     stress_resultants,
 )
-from hypernode.data.seen_share import section, seen_shares
+from hypernode.data.seen_share import has_free_sides, section, seen_shares
 from hypernode.evaluation.conditioning import posterior_uncertainty
 from hypernode.evaluation.limits import limited, not_judged, percent
 from hypernode.evaluation.thresholds import SETTINGS, Threshold
@@ -160,7 +160,8 @@ def _unseen(measurement: xr.Dataset, mesh: Mesh, loading: Loading, shares, P) ->
     for case, axis in np.ndindex(shares.shape):
         steps, along = np.flatnonzero(loading.load_case == case), shares[case, 1 - axis]
         if along < 1.0 and loading.measured[steps, axis, axis].any():
-            found.append(section(mesh, P[steps[-1]], axis, along).uncertainty)
+            free = has_free_sides(loading, case, axis)
+            found.append(section(mesh, P[steps[-1]], axis, along, free).uncertainty)
             seen.append(float(along))
     return max(found), min(seen)
 

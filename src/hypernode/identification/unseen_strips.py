@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from hypernode.data.loading import Loading
 from hypernode.data.measurement import is_cut_out, mesh_of, relative_thickness
 from hypernode.data.seen_share import CARRIED, carried_shares, seen_shares
 from hypernode.fem.gradient import deformation_gradient
@@ -13,12 +14,13 @@ from hypernode.identification.estimate import Estimate
 
 
 def stress_of(found: Estimate, measurement: xr.Dataset) -> Float[np.ndarray, "step cell 2 2"]:
-    """First Piola-Kirchhoff stress at the centre of every cell of the grid, in equilibrium."""
+    """Mean first Piola-Kirchhoff stress of every cell of the grid, in equilibrium."""
     u = np.stack([state.u[found.problem.refinement.nodes] for state in found.states])
-    F = np.moveaxis(deformation_gradient(mesh_of(measurement), u), (2, 3), (0, 1))
-    parts = np.moveaxis(found.by_parts, 1, 0)
-    mean = sum(np.asarray(found.basis.stress(F, part[:, None])) for part in parts) / len(parts)
-    return np.moveaxis(mean, (0, 1), (2, 3))
+    F = deformation_gradient(mesh_of(measurement), u)
+    each, parts = np.moveaxis(F, (2, 3), (0, 1)), np.moveaxis(found.by_parts, 1, 0)
+    mean = sum(np.asarray(found.basis.stress(each, part[:, None])) for part in parts) / len(parts)
+    P = np.moveaxis(mean, (0, 1), (2, 3))
+    return P + found.jump_stress(F) if found.layered else P
 
 
 def with_carried_shares(measurement: xr.Dataset, found: Estimate) -> xr.Dataset | None:
@@ -33,5 +35,5 @@ def with_carried_shares(measurement: xr.Dataset, found: Estimate) -> xr.Dataset 
     if not is_cut_out(measurement) or not found.problem.forces or (shares == 1.0).all():
         return None
     P = stress_of(found, measurement) * relative_thickness(measurement)[:, None, None]
-    carried = carried_shares(mesh_of(measurement), measurement["load_case"].values, P, shares)
+    carried = carried_shares(mesh_of(measurement), Loading.of(measurement), P, shares)
     return measurement.assign_attrs({CARRIED: json.dumps(carried.tolist())})
