@@ -102,6 +102,8 @@ def section(mesh: Mesh, P: Float[np.ndarray, "cell 2 2"], axis: int, share: floa
     seen, taken = np.nansum(normal * sizes, axis=1), (FREE if free else 0.0) * across
     whole = seen + strip * (normal - taken)[:, [0, -1]].sum(axis=1)
     force = float(np.nanmedian(whole))
+    if force == 0.0:
+        return Section(1.0, 0.0)
     band = min(max(strip, NARROWEST * width), 0.5 * width)
     ends = np.cumsum(sizes) - 0.5 * sizes
     missed = []
