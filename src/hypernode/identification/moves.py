@@ -106,9 +106,11 @@ class Moves:
         return None
 
     def without_change(self, gradual: Candidate, one: Candidate) -> Candidate | None:
-        """One material on finer elements, where it explains the test without a gradual change."""
-        problem, trials, (material,) = gradual.problem, self.trials, gradual.fit.field.materials
-        plain = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), material)
+        """One material on finer elements, where it explains the test without a gradual change of one."""
+        problem, trials, field = gradual.problem, self.trials, gradual.fit.field
+        if field.count > 1:
+            return None
+        plain = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), field.materials[0])
         without = trials.descend("without the change", gradual, problem, plain, gradual.u, self.steps, NEAR)
         if without is not None:
             trials.passed_over(without, f"scores {gradual.gain_over(without):+.1f} against a gradual change")
