@@ -10,7 +10,6 @@ from hypernode.identification.interface_search import Search
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import turned
 from hypernode.identification.left_out import predict_left_out
-from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
@@ -229,38 +228,3 @@ def test_two_materials_that_change_gradually_by_the_same_factor_are_told_from_it
     grid = found.problem.observations.grid
     slope, _ = np.polyfit(grid.centres[:, 1], found.field.grid_factor(), 1)
     assert slope == pytest.approx(0.8 * np.log(2.0), rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("refuted", "alike", "left", "taken"),
-    [(True, False, 0.9, True), (False, False, 0.9, False), (True, True, 0.9, False), (True, False, 1.1, False)],
-)
-def test_a_gradual_change_that_scored_less_stands_where_only_few_materials_leave_the_same_in_all_steps(
-    refuted, alike, left, taken
-):
-    def candidate(misses, misfit):
-        return SimpleNamespace(
-            misses_deformation=misses, fit=SimpleNamespace(misfit=misfit, field=SimpleNamespace(gradual=()))
-        )
-
-    few, gradual, reasons = candidate(refuted, 1.0), candidate(alike, left), {}
-    search = Search.__new__(Search)
-    search._trials = SimpleNamespace(passed_over=lambda kept, why: reasons.update({id(kept): why}))
-    search._with_law = search._finer = lambda kept: kept
-    found = search._gradual_instead(few, SimpleNamespace(gradual=gradual))
-    assert (found is gradual) is taken and (id(few) in reasons) is taken
-
-
-@pytest.mark.parametrize(
-    ("mostly", "explained", "taken"), [(True, True, True), (True, False, False), (False, True, False)]
-)
-def test_whole_cells_end_the_search_where_lines_leave_mostly_no_noise_and_they_leave_only_noise(
-    monkeypatch, mostly, explained, taken
-):
-    lines = SimpleNamespace(leaves_mostly_no_noise=mostly, leaves_more_than_noise=True)
-    cells = SimpleNamespace(leaves_more_than_noise=not explained)
-    monkeypatch.setattr(MosaicSearch, "instead_of", lambda self, kept, finer: cells)
-    search, reasons = Search.__new__(Search), {}
-    search._steps, search._trials = [0], SimpleNamespace(passed_over=lambda kept, why: reasons.update({id(kept): why}))
-    assert (search._of_whole_cells(lines) is cells) is taken
-    assert (id(cells) in reasons) is (mostly and not explained)

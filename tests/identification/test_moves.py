@@ -1,0 +1,103 @@
+"""Which move from one candidate to another stands, and what is said of the one that is passed over."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from hypernode.identification import moves as moves_of_search
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.law_search import LawSearch
+from hypernode.identification.mosaic_search import MosaicSearch
+from hypernode.identification.moves import Moves
+
+
+def moving(monkeypatch, **moves):
+    """(moves of which some are replaced, reasons by the identity of a candidate)."""
+    reasons = {}
+    trials = SimpleNamespace(passed_over=lambda kept, why: reasons.update({id(kept): why}))
+    found = Moves(trials, [0], False)
+    for name, move in moves.items():
+        monkeypatch.setattr(found, name, move)
+    return found, reasons
+
+
+@pytest.mark.parametrize(
+    ("refuted", "alike", "left", "taken"),
+    [(True, False, 0.9, True), (False, False, 0.9, False), (True, True, 0.9, False), (True, False, 1.1, False)],
+)
+def test_a_gradual_change_that_scored_less_stands_where_only_few_materials_leave_the_same_in_all_steps(
+    refuted, alike, left, taken, monkeypatch
+):
+    def candidate(misses, misfit):
+        return SimpleNamespace(
+            misses_deformation=misses, fit=SimpleNamespace(misfit=misfit, field=SimpleNamespace(gradual=()))
+        )
+
+    few, gradual = candidate(refuted, 1.0), candidate(alike, left)
+    moves, reasons = moving(monkeypatch, with_law=lambda kept: kept, finer=lambda kept: kept)
+    found = moves.gradual_instead(few, SimpleNamespace(gradual=gradual))
+    assert (found is gradual) is taken and (id(few) in reasons) is taken
+
+
+@pytest.mark.parametrize(
+    ("mostly", "explained", "taken"), [(True, True, True), (True, False, False), (False, True, False)]
+)
+def test_whole_cells_end_the_search_where_lines_leave_mostly_no_noise_and_they_leave_only_noise(
+    monkeypatch, mostly, explained, taken
+):
+    lines = SimpleNamespace(leaves_mostly_no_noise=mostly, leaves_more_than_noise=True)
+    cells = SimpleNamespace(leaves_more_than_noise=not explained)
+    monkeypatch.setattr(MosaicSearch, "instead_of", lambda self, kept, finer: cells)
+    moves, reasons = moving(monkeypatch)
+    assert (moves.of_whole_cells(lines) is cells) is taken
+    assert (id(cells) in reasons) is (mostly and not explained)
+
+
+@pytest.mark.parametrize(
+    ("count", "alike", "mostly", "explained", "asked", "taken"),
+    [
+        (2, True, False, True, True, True),
+        (2, True, False, False, True, False),
+        (2, False, False, True, False, False),
+        (2, True, True, True, False, False),
+        (1, True, False, True, False, False),
+    ],
+)
+def test_the_law_is_sought_on_finer_elements_where_coarse_ones_may_be_to_blame(
+    monkeypatch, count, alike, mostly, explained, asked, taken
+):
+    fit = SimpleNamespace(field=SimpleNamespace(count=count))
+    coarse = SimpleNamespace(fit=fit, misses_deformation=alike, leaves_mostly_no_noise=mostly)
+    finer, sought = SimpleNamespace(leaves_more_than_noise=not explained), []
+    same = {"with_law": lambda kept: sought.append(kept) or kept, "merged": lambda kept: kept}
+    monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: (kept, False))
+    monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, other: None)
+    moves, reasons = moving(monkeypatch, finer=lambda kept: finer, **same)
+    found = moves.law_on_finer_elements(coarse)
+    assert bool(sought) is asked
+    assert found == ((coarse, finer) if taken else None)
+    assert (id(finer) in reasons) is (asked and not taken)
+
+
+@pytest.mark.parametrize(
+    ("count", "halved", "gain", "taken"),
+    [(1, False, 5.0, True), (1, False, -5.0, False), (1, True, 5.0, False), (2, False, 5.0, False)],
+)
+def test_one_material_stands_in_the_place_of_a_gradual_change_that_it_does_not_need(
+    monkeypatch, count, halved, gain, taken
+):
+    field = SimpleNamespace(count=count, materials=[None] * count)
+    gradual = SimpleNamespace(
+        problem=SimpleNamespace(observations=SimpleNamespace(grid=None), refinement=None),
+        fit=SimpleNamespace(field=field),
+        u={},
+        halves=lambda other: halved,
+        gain_over=lambda other: 1.0,
+    )
+    alone = SimpleNamespace(gain_over=lambda other: gain, leaves_more_than_noise=True)
+    monkeypatch.setattr(moves_of_search.Lines, "of", lambda *given: None)
+    monkeypatch.setattr(Interfaces, "homogeneous", lambda *given: None)
+    moves, reasons = moving(monkeypatch, of_one=lambda kept: alone, finer=lambda kept: kept)
+    moves.trials.descend = lambda *given: SimpleNamespace()
+    assert (moves.without_change(gradual, None) is alone) is taken
+    assert (id(gradual) in reasons) is taken
