@@ -2,8 +2,10 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from hypernode.identification import parting
 from hypernode.identification.parting import Parting
 
 
@@ -29,3 +31,36 @@ def candidate(misfit, materials=2, score=0.0, most_is_no_noise=True):
 def test_one_more_material_scores_better_or_halves_what_several_leave_beyond_noise(kept, found, small, word):
     why = Parting(None, [], False, small=small)._why_more(found, kept)
     assert bool(why) == bool(word) and word in why
+
+
+@pytest.mark.parametrize("columns", [[0], [0, 1, 2]])
+def test_a_gradual_change_begins_with_the_fibres_of_most_cells_where_cells_have_fibres(columns, monkeypatch):
+    values = np.array([[0.5, 0.1, 0.0], [1.5, 0.1, 0.0]])[:, : len(columns)]
+    known = SimpleNamespace(with_law=lambda materials: ("with law", materials))
+    beside = SimpleNamespace(
+        columns=columns,
+        known=known,
+        reached={},
+        found=SimpleNamespace(values=values),
+        parts=lambda count: (None, "fibres of most cells"),
+        problem="with fibres",
+    )
+    one, kept, asked = candidate(9.0, 1, 20.0), candidate(5.0, 2, 10.0), {}
+    with_fibres, gradual = candidate(8.0, 1, 19.0), candidate(1.0, 1, 0.0)
+
+    def trend(trials, begun, field, factor, u, steps, finds_window, instead):
+        asked.update(begun=begun, field=field, factor=factor)
+        return gradual
+
+    monkeypatch.setattr(parting, "trend", trend)
+    descend, passed = (lambda *given: with_fibres), []
+    trials = SimpleNamespace(descend=descend, passed_over=lambda each, why: passed.append(each))
+    found = Parting(trials, [0], False)._gradual(one, beside, kept)
+    assert found is gradual and passed == [kept]
+    assert asked["begun"] is (with_fibres if len(columns) > 1 else one)
+    if len(columns) > 1:
+        assert asked["field"] == ("with law", "fibres of most cells")
+        np.testing.assert_allclose(asked["factor"], [-0.5, 0.5])
+    else:
+        assert asked["field"] is known
+        np.testing.assert_allclose(asked["factor"], [0.5, 1.5])
