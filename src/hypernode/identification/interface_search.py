@@ -28,7 +28,7 @@ from hypernode.identification.parting import FAR_FROM_NOISE, Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.small_steps import from_smallest
 from hypernode.identification.trials import Trials, largest_and_half
-from hypernode.identification.volume import of_likelier_volume
+from hypernode.identification.volume import of_likelier_volume, with_area
 from hypernode.progress import say
 
 #: How often materials are sought again on top of another law.
@@ -89,9 +89,8 @@ class Search:
         if more is not kept:
             kept = moves.merged(moves.with_law(more))
         before, (kept, self.keeps_volume) = kept, of_likelier_volume(trials, kept, moves.steps, moves.finds_window)
-        if kept is not before and kept.leaves_mostly_no_noise:
-            say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
-            return None
+        if kept is not before and kept.leaves_mostly_no_noise and (again := self._again_with_volume(kept)):
+            return again
         kept, finer = with_bent_edges(trials, *moves.finer_and_plainer(kept), moves.steps, moves.finds_window)
         finer = moves.merged(finer)
         if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
@@ -109,6 +108,26 @@ class Search:
         if gradual := moves.gradual_instead(finer, parting):
             return gradual, gradual
         return self._parted_again(kept, finer, parting, {one, asked} if asked.leaves_mostly_no_noise else {one})
+
+    def _again_with_volume(self, kept: Candidate) -> tuple[Candidate, Candidate] | None:
+        """Materials sought from nothing with a law that says otherwise of the volume; None where they leave more.
+
+        Args:
+            kept: such a law between materials that were cut under the other volume.
+        """
+        trials = self._trials
+        say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
+        search = Search(trials.measurement, with_area(trials.settings), trials.name, trials.strategy)
+        found = search.found()
+        if found is None or found[1].fit.misfit > kept.fit.misfit:
+            trials.after(search._trials)
+            if found is not None:
+                trials.passed_over(found[1], "leaves more than materials that were cut under the other volume")
+            return None
+        search._trials.after(trials)
+        search._trials.passed_over(kept, "materials are sought again with a law that says otherwise of the volume")
+        self._trials, self._moves = search._trials, search._moves
+        return found
 
     def _parted_again(self, kept: Candidate, finer: Candidate, parting: Parting, asked: set[Candidate]):
         """Both candidates, or those of other materials on top of them where they leave more than noise.
