@@ -43,9 +43,12 @@ def test_a_strip_beside_a_stiffer_rim_carries_more(part):
 
 
 def test_where_all_is_seen_or_no_force_is_known_a_field_tells_nothing(part):
-    assert with_carried_shares(part.assign_attrs(outline="edge"), found_in(part, 1.0)) is None
     assert with_carried_shares(part.assign_attrs(seen_share="[[1.0, 1.0]]"), found_in(part, 1.0)) is None
     assert with_carried_shares(part, found_in(part, 1.0, forces=0)) is None
+
+
+def test_it_is_told_of_either_outline_as_an_evaluation_asks_of_either(part):
+    np.testing.assert_array_equal(carried(part.assign_attrs(outline="edge"), 3.0), carried(part, 3.0))
 
 
 def test_layers_of_cut_cells_count_as_layers(part):

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import is_cut_out, mesh_of, relative_thickness
+from hypernode.data.measurement import mesh_of, relative_thickness
 from hypernode.data.seen_share import CARRIED, carried_shares, seen_shares
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.estimate import Estimate
@@ -32,7 +32,7 @@ def with_carried_shares(measurement: xr.Dataset, found: Estimate) -> xr.Dataset 
         measurement: of which the field was identified.
     """
     shares = seen_shares(measurement)
-    if not is_cut_out(measurement) or not found.problem.forces or (shares == 1.0).all():
+    if not found.problem.forces or (shares == 1.0).all():
         return None
     P = stress_of(found, measurement) * relative_thickness(measurement)[:, None, None]
     carried = carried_shares(mesh_of(measurement), Loading.of(measurement), P, shares)
