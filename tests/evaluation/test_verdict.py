@@ -29,7 +29,8 @@ GOOD = {
     "largest_local_misfit": 1.2,
     "equilibrium_gap_identified": 0.01,
     "network_error": 0.001,
-    "spread": 0.02,
+    "spread": 0.3,
+    "spread_of_materials": 0.02,
     "inclusion": "distinguishable",
     "contrast_seen": 0.2,
     "contrast_needed": 0.0123,
@@ -97,7 +98,7 @@ def test_a_window_that_a_field_had_to_find_is_said_and_a_warning_where_it_is_har
 
 
 def test_the_verdict_is_the_worst_criterion_and_names_what_is_to_blame(measurement):
-    verdict = judged(measurement, ending="out of iterations", spread=0.2)
+    verdict = judged(measurement, ending="out of iterations", spread_of_materials=0.2)
     assert verdict.label == "warn: not converged, uncertainty"
     verdict = judged(measurement, ending="out of iterations", edge_force_error_identified=0.2)
     assert verdict.label == "fail: not converged, forces"
@@ -110,7 +111,7 @@ def test_what_is_not_judged_changes_no_verdict():
 
 
 def test_a_stored_verdict_reads_back_as_it_was(measurement):
-    verdict = judged(measurement, ending="out of iterations", spread=0.2)
+    verdict = judged(measurement, ending="out of iterations", spread_of_materials=0.2)
     assert Verdict.of(json.loads(json.dumps(verdict.stored()))) == verdict
 
 
@@ -215,11 +216,31 @@ def test_what_is_missed_beyond_a_very_small_noise_counts_by_the_deformation_that
         assert found.level is wanted and ("hardly changes the stress" in found.sentence) is (misfit < 9.0)
 
 
-def test_places_count_where_what_is_missed_there_is_deformation_that_counts():
-    places = {"local_misfit": ("cell", [1.0, 2.0, 9.0, 9.0]), "unexplained": ("cell", [0, 1, 1, 0])}
-    field = constrained(noise_deformation=0.002).assign(places).assign_attrs(misfits=json.dumps({"displacement": 1.0}))
-    assert unexplained_share(field, SETTINGS) == 0.25
-    assert unexplained_share(field.assign_attrs(noise_deformation=0.1), SETTINGS) == 0.5
+def test_places_count_where_what_is_missed_there_is_deformation_that_counts_and_no_corner(clean):
+    grid = clean[["X", "cells", "corners"]]
+    misfit, unexplained = np.full(64, 9.0), np.zeros(64, int)
+    # One cell of the middle, one whose misfit is small, and one whose local mean contains a corner.
+    unexplained[[27, 28, 9]] = 1
+    misfit[28] = 2.0
+    places = {"local_misfit": ("cell", misfit), "unexplained": ("cell", unexplained)}
+    field = grid.assign(places).assign_attrs(noise_deformation=0.002, misfits=json.dumps({"displacement": 1.0}))
+    assert unexplained_share(field, SETTINGS) == 1.0 / 64.0
+    assert unexplained_share(field.assign_attrs(noise_deformation=0.1), SETTINGS) == 2.0 / 64.0
+
+
+def test_what_a_line_leaves_open_inside_a_cell_is_said_and_is_no_doubt_of_materials(measurement):
+    found = criterion(judged(measurement), "uncertainty")
+    assert found.level is Level.PASSED and found.value == 0.02
+    assert "With that of cells that interfaces may cut it is 30 %." in found.sentence
+
+
+def test_a_window_smaller_than_a_step_between_points_is_known_by_what_it_changes(measurement):
+    step = float(np.diff(np.unique(measurement["X"].values[:, 0])).mean())
+    for side, wanted in ((0.3, Level.PASSED), (2.0, Level.WARNED)):
+        window = BelievedWindow(side * step, 0.3 * side * step, 0.1)
+        field = constrained().assign_attrs(window.stored())
+        given = measurement.assign_attrs(units='{"length": "mm"}')
+        assert level(judged(given, field), "window") is wanted
 
 
 def test_more_than_a_fiftieth_of_the_sheet_that_is_not_explained_warns_and_a_quarter_fails(measurement):
@@ -248,7 +269,7 @@ def test_without_noise_a_small_misfit_is_well_and_a_large_one_is_not(clean):
     [
         ("forces", "edge_force_error_identified", Threshold(0.03, 0.10)),
         ("equilibrium", "equilibrium_gap_identified", SETTINGS.equilibrium),
-        ("uncertainty", "spread", SETTINGS.spread),
+        ("uncertainty", "spread_of_materials", SETTINGS.spread),
     ],
 )
 def test_a_relative_number_warns_and_fails_beyond_its_thresholds(measurement, name, key, threshold):

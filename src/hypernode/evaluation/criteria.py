@@ -1,5 +1,6 @@
 """The criteria of a verdict."""
 
+import dataclasses
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -7,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import xarray as xr
 
 from hypernode.data.believed_window import BelievedWindow
-from hypernode.data.measurement import displacement_noise, force_uncertainty, is_cut_out
+from hypernode.data.measurement import displacement_noise, force_uncertainty, is_cut_out, mesh_of
 from hypernode.evaluation.compression import judge_compression
 from hypernode.evaluation.doubt import Doubt, judge_modes, judge_volume
 from hypernode.evaluation.explained import judge_displacements, judge_left_out, judge_places, of_few_numbers
@@ -18,6 +19,7 @@ from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.ratios import Ratio, judge_ratios
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
+from hypernode.identification.window_error import grid_step
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 #: How many phases may be distinguishable, in words.
@@ -85,7 +87,10 @@ def _convergence(summary, explained: Criterion) -> Criterion:
 
 
 def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ...]:
-    """Uncertainty of a correlation window that the identification had to estimate; None if it was stated."""
+    """Uncertainty of a correlation window that the identification had to estimate; none if it was stated.
+
+    What a window changes goes with the square of its side, and one of less than a step between points changes nothing.
+    """
     found = None if constrained is None else BelievedWindow.read(constrained.attrs)
     if found is None or found.error == 0.0:
         return ()
@@ -94,7 +99,7 @@ def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ..
         f"No correlation_window is stated; the identification estimated it beside interfaces as {side}. State "
         "the window of the correlation software."
     )
-    known = found.error / found.side
+    known = found.side * found.error / max(found.side, grid_step(mesh_of(measurement))) ** 2
     level = Level.PASSED if known <= settings.window_known else Level.WARNED
     return (Criterion("window", level, sentence, value=known, threshold=settings.window_known),)
 
@@ -182,10 +187,13 @@ def _force_record(measurement) -> Criterion:
 
 def _spread(summary, settings: Settings) -> Criterion:
     name = "uncertainty"
-    if "spread" not in summary:
+    if "spread_of_materials" not in summary:
         return not_judged(name, "There are no posterior samples.")
-    words = "By posterior samples and cut cells the standard uncertainty of the stiffness is"
-    return limited(name, words, summary["spread"], settings.spread)
+    words = "By posterior samples the standard uncertainty of the stiffness is"
+    judged = limited(name, words, summary["spread_of_materials"], settings.spread)
+    # Where a line runs inside a cell no camera tells. That is no doubt of the materials beside it.
+    cut = f" With that of cells that interfaces may cut it is {percent(summary['spread'])}."
+    return dataclasses.replace(judged, sentence=judged.sentence + cut)
 
 
 def _inclusion(summary) -> Criterion:

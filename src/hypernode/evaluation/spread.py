@@ -113,7 +113,7 @@ def score_spread(
     level: Float[np.ndarray, " cell"] | float = 0.0,
     bounded: Bool[np.ndarray, " cell"] | None = None,
 ) -> Judgement:
-    """Spread of the indicator of stiffness, and its coverage of the true one.
+    """Spread of the indicator of stiffness, with and without that of cut cells, and its coverage of the true one.
 
     Args:
         samples: of the posterior.
@@ -124,10 +124,13 @@ def score_spread(
         bounded: cells whose stiffness has an upper bound, over which the spread is a mean; None for all. Of the others
             a lower bound is all that a test tells (:mod:`~hypernode.evaluation.ratios`).
     """
-    own = np.hypot(sample_spread(samples.values), interfaces)
+    of_materials = sample_spread(samples.values)
+    own = np.hypot(of_materials, interfaces)
     spread = np.hypot(own, level)
     counts = np.ones(len(spread), bool) if bounded is None or not bounded.any() else bounded
-    summary = {"spread": float(np.sqrt(np.mean(own[counts] ** 2) / np.mean(samples.best[counts] ** 2)))}
+    size = np.mean(samples.best[counts] ** 2)
+    each = {"spread": own, "spread_of_materials": of_materials}
+    summary = {name: float(np.sqrt(np.mean(values[counts] ** 2) / size)) for name, values in each.items()}
     if true is not None:
         summary["within_two_spreads"] = coverage(samples.best - true, spread)
     return Judgement({"trace_P_spread": spread}, summary)

@@ -23,7 +23,8 @@ class Settings:
     misfit_fail: float = 2.0
     #: Misfit below which the field has taken up more than a third of what independent noise leaves, 1 - 0.8^2.
     misfit_low: float = 0.8
-    #: Relative uncertainty of a window that nobody stated, up to which points beside interfaces weigh as if it were.
+    #: Uncertainty of a window that nobody stated, over its side or a step between points, up to which points beside
+    #: interfaces weigh as if it were stated.
     window_known: float = 0.1
     #: Relative uncertainty below which no force is believed: that of a testing machine of class 1 after ISO 7500-1.
     force_uncertainty: float = 0.01
@@ -33,8 +34,8 @@ class Settings:
     #: Deformation of the largest load steps, over the largest of a test, by which a prediction from the others may miss
     #: it beyond chance: as above, and as much as a stress is then wrong by at least.
     predicted: Threshold = Threshold(0.01, 0.05)
-    #: Share of the sheet in which displacements are not explained: corners of clamps are a fiftieth of it, and what is
-    #: not explained in a quarter of the sheet is not a place.
+    #: Share of the sheet, corners apart, in which displacements are not explained: a fiftieth of it changes no stress
+    #: elsewhere, and what is not explained in a quarter of the sheet is not a place.
     places: Threshold = Threshold(0.02, 0.25)
     #: Share of the displacements that were mistaken: where it is more, so is what was mistaken and not found.
     outliers: Threshold = Threshold(0.01, 0.10)
