@@ -9,6 +9,7 @@ from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.moves import Moves
+from hypernode.identification.volume import Asked
 
 
 def moving(monkeypatch, **moves):
@@ -70,7 +71,7 @@ def test_the_law_is_sought_on_finer_elements_where_coarse_ones_may_be_to_blame(
     coarse = SimpleNamespace(fit=fit, misses_deformation=alike, leaves_mostly_no_noise=mostly)
     finer, sought = SimpleNamespace(leaves_more_than_noise=not explained), []
     same = {"with_law": lambda kept: sought.append(kept) or kept, "merged": lambda kept: kept}
-    monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: (kept, False))
+    monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: Asked(kept))
     monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, other: None)
     moves, reasons = moving(monkeypatch, finer=lambda kept: finer, **same)
     found = moves.law_on_finer_elements(coarse)
@@ -101,3 +102,13 @@ def test_one_material_stands_in_the_place_of_a_gradual_change_that_it_does_not_n
     moves.trials.descend = lambda *given: SimpleNamespace()
     assert (moves.without_change(gradual, None) is alone) is taken
     assert (id(gradual) in reasons) is taken
+
+
+@pytest.mark.parametrize("likelier", [True, False])
+def test_the_volume_is_that_which_finer_elements_speak_for(monkeypatch, likelier):
+    coarse, finer, other, like_it = (SimpleNamespace() for _ in range(4))
+    asked = Asked(other if likelier else finer)
+    monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: asked)
+    monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, law: like_it)
+    moves, _ = moving(monkeypatch)
+    assert moves.of_volume_told_finer(coarse, finer) == ((like_it, other) if likelier else (coarse, finer))

@@ -8,6 +8,7 @@ import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.evaluation.doubt import farther_half
+from hypernode.identification import open_laws as laws_left_open
 from hypernode.identification.open_laws import open_laws, terms_left
 from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
@@ -107,3 +108,20 @@ def test_laws_with_a_volume_are_not_sought_again_where_they_were_far_off(keeps_v
 @pytest.mark.parametrize(("volume", "terms"), [("kept", ["I1_squared"]), ("told", ["J"])])
 def test_nothing_is_compared_that_is_not_asked_for(volume, terms):
     assert with_area(Constrained(terms=terms, volume=volume)) is None
+
+
+def tried(terms, misfit, start=None):
+    return SimpleNamespace(terms=terms, misfits={"displacement": misfit}, start=start)
+
+
+@pytest.mark.parametrize(("left", "refuted"), [(1.95, False), (2.5, True)])
+def test_another_volume_is_refuted_only_by_what_it_leaves_against_the_law_that_it_stood_against(left, refuted):
+    coarse = tried(("I2",), 1.95)
+    begun = tried(("J",), left + 0.1, coarse)
+    other, finer = tried(("J",), left, begun), tried(("I2",), 1.0, coarse)
+    found = SimpleNamespace(
+        trace=SimpleNamespace(reasons=[coarse, begun, other, finer]), left=SimpleNamespace(independent=200.0)
+    )
+    assert laws_left_open._volume_refuted(found) is refuted
+    found.trace.reasons = [coarse, finer]
+    assert not laws_left_open._volume_refuted(found)

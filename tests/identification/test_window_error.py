@@ -7,7 +7,7 @@ from hypernode.config.methods import Constrained
 from hypernode.data.measurement import EDGES_BEND_BESIDE, mesh_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.problem import field_problem
-from hypernode.identification.window_error import blurred_edges, grid_step
+from hypernode.identification.window_error import blurred_edges
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
@@ -18,8 +18,8 @@ def seen(before, after):
     """(measurement, displacement, what is seen of it) of a sheet with these slopes along x on both sides of a kink."""
     data, _, _ = sheet(20, square, make_load("uniaxial_x", [1.05]), noise=NOISE)
     grid = mesh_of(data)
-    side, x = POINTS * grid_step(grid), grid.nodes[:, 0]
-    at = KINK * grid_step(grid)
+    side, x = POINTS * grid.step, grid.nodes[:, 0]
+    at = KINK * grid.step
     true = np.stack([np.where(x < at, before * x, before * at + after * (x - at)), 0.0 * x], axis=1)[None]
     mean = (window_average(grid, side, "average") @ true.ravel()).reshape(true.shape)
     noisy = mean + np.random.default_rng(2).normal(0.0, NOISE, mean.shape)
@@ -64,7 +64,7 @@ def test_an_edge_that_is_believed_so_may_be_off_by_what_bends_within_half_a_wind
     """An interface that runs along an edge bends what lies beyond it, where nobody looks."""
     data, _, noisy = seen(0.02, 0.2)
     data = data.assign_attrs({EDGES_BEND_BESIDE: "true"})
-    grid, step = mesh_of(data), grid_step(mesh_of(data))
+    grid, step = mesh_of(data), mesh_of(data).step
     may, bends = blurred(data, noisy)[0, :, 0], np.abs(grid.nodes[:, 0] - KINK * step)
     largest = may.max()
     near, far = bends < (0.5 * POINTS + 0.1) * step, bends > (1.5 * POINTS + 0.1) * step

@@ -19,7 +19,6 @@ from hypernode.evaluation.polish import KEPT
 from hypernode.evaluation.ratios import Ratio, judge_ratios
 from hypernode.evaluation.refuted import Refuted, judge_refuted
 from hypernode.evaluation.thresholds import SETTINGS, Settings, Threshold
-from hypernode.identification.window_error import grid_step
 from hypernode.verdict import Criterion, Ending, Level, Verdict
 
 #: How many phases may be distinguishable, in words.
@@ -99,7 +98,7 @@ def _window(measurement, constrained, settings: Settings) -> tuple[Criterion, ..
         f"No correlation_window is stated; the identification estimated it beside interfaces as {side}. State "
         "the window of the correlation software."
     )
-    known = found.side * found.error / max(found.side, grid_step(mesh_of(measurement))) ** 2
+    known = found.side * found.error / max(found.side, mesh_of(measurement).step) ** 2
     level = Level.PASSED if known <= settings.window_known else Level.WARNED
     return (Criterion("window", level, sentence, value=known, threshold=settings.window_known),)
 

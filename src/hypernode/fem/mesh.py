@@ -42,6 +42,11 @@ class Mesh:
         return self.nodes[self.cells].mean(axis=1)
 
     @property
+    def step(self) -> float:
+        """Usual distance between points of a grid."""
+        return float(np.median(np.concatenate([np.diff(line) for line in self.lines])))
+
+    @property
     def areas(self) -> Float[np.ndarray, " cell"]:
         """Cell areas."""
         corner = self.nodes[self.cells]

@@ -88,11 +88,14 @@ class Search:
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
         if more is not kept:
             kept = moves.merged(moves.with_law(more))
-        before, (kept, self.keeps_volume) = kept, of_likelier_volume(trials, kept, moves.steps, moves.finds_window)
+        before, volume = kept, of_likelier_volume(trials, kept, moves.steps, moves.finds_window)
+        kept, self.keeps_volume = volume.kept, volume.far
         if kept is not before and kept.leaves_mostly_no_noise and (again := self._again_with_volume(kept)):
             return again
         kept, finer = with_bent_edges(trials, *moves.finer_and_plainer(kept), moves.steps, moves.finds_window)
         finer = moves.merged(finer)
+        if volume.open and finer is not kept:
+            kept, finer = moves.of_volume_told_finer(kept, finer)
         if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
             common = with_common_trend(parting, one, beside, kept)
             if common is not kept:

@@ -46,7 +46,7 @@ class Moves:
 
     def of_one(self, alone: Candidate) -> Candidate:
         """One material with the likeliest law and volume."""
-        return of_likelier_volume(self.trials, self.with_law(alone), self.steps, self.finds_window)[0]
+        return of_likelier_volume(self.trials, self.with_law(alone), self.steps, self.finds_window).kept
 
     def finer(self, coarse: Candidate) -> Candidate:
         """The same on finer finite elements."""
@@ -87,12 +87,19 @@ class Moves:
         if kept.fit.field.count == 1 or not kept.misses_deformation or kept.leaves_mostly_no_noise:
             return None
         finer = self.merged(self.with_law(self.finer(kept)))
-        finer, _ = of_likelier_volume(self.trials, finer, self.steps, self.finds_window)
+        finer = of_likelier_volume(self.trials, finer, self.steps, self.finds_window).kept
         if not finer.leaves_more_than_noise:
             law = LawSearch(self.trials, self.steps, self.finds_window)
             return law.with_law_of(kept, finer) or kept, finer
         self.trials.passed_over(finer, "leaves more than noise; coarse elements are asked first")
         return None
+
+    def of_volume_told_finer(self, kept: Candidate, finer: Candidate) -> tuple[Candidate, Candidate]:
+        """Both candidates with the volume that finer elements speak for, where coarse ones tell it not."""
+        asked = of_likelier_volume(self.trials, finer, self.steps, self.finds_window).kept
+        if asked is finer:
+            return kept, finer
+        return LawSearch(self.trials, self.steps, self.finds_window).with_law_of(kept, asked) or kept, asked
 
     def of_whole_cells(self, kept: Candidate) -> Candidate | None:
         """The same materials of whole cells, where lines leave mostly no noise, and these no more than noise."""

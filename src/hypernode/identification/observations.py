@@ -33,7 +33,6 @@ from hypernode.identification.camera import window_average
 from hypernode.identification.settings import Strategy
 from hypernode.identification.window_error import (
     blurred_edges,
-    grid_step,
     window_errors,
     with_errors_of_elements,
 )
@@ -104,7 +103,7 @@ class Observations:
         gradient with the norm 2 s over the side of the cell.
         """
         largest = np.linalg.norm(self.mean_F - np.eye(2)[:, :, None], axis=(0, 1)).max()
-        return float(2.0 * self.sigma * self.scatter / (grid_step(self.grid) * largest))
+        return float(2.0 * self.sigma * self.scatter / (self.grid.step * largest))
 
     def of_steps(self, steps: Int[np.ndarray, " kept"]) -> "Observations":
         """The observations of some load steps, with the uncertainty of the whole test."""

@@ -79,10 +79,20 @@ def terms_left(kept: tuple[str, ...], settings: Constrained) -> tuple[str, ...]:
 
 
 def _volume_refuted(found: InterfaceEstimate) -> bool:
-    """Whether the search tried laws of another volume, and displacements speak against all of them."""
-    tried = [trial.misfits["displacement"] for trial in found.trace.reasons if "J" in trial.terms]
-    own = found.trial.misfits["displacement"]
-    return bool(tried) and found.left.independent * np.log(min(tried) / max(own, 1.0)) > AS_WELL
+    """Whether the search tried laws of another volume, and displacements speak against all of them.
+
+    Each is compared with the law that it stood against, on the same elements and load steps.
+    """
+    lacks = []
+    for trial in found.trace.reasons:
+        if "J" not in trial.terms:
+            continue
+        against = trial.start
+        while against is not None and "J" in against.terms:
+            against = against.start
+        own = 1.0 if against is None else max(against.misfits["displacement"], 1.0)
+        lacks.append(found.left.independent * np.log(trial.misfits["displacement"] / own))
+    return bool(lacks and min(lacks) > AS_WELL)
 
 
 def _of_term(kept: Candidate, score: ScoreTest, compared: "_Compared", term: str, count: int, random) -> OpenLaw:

@@ -17,7 +17,6 @@ from hypernode.identification.problem import FieldProblem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian
 from hypernode.identification.sheet import CellMaterials, Sheet
-from hypernode.identification.window_error import grid_step
 
 #: Half of the difference of two windows, in points, that stands for a derivative.
 DIFFERENCE = 0.05
@@ -88,7 +87,7 @@ class SeenTest:
         errors = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
         self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1]) if steps else []
         self._answers = edges
-        self.step = grid_step(observations.grid)
+        self.step = observations.grid.step
         self.see_through(observations.window / self.step if window is None else window)
 
     @property

@@ -33,6 +33,20 @@ class Parts(NamedTuple):
     keeps_volume: bool
 
 
+class Asked(NamedTuple):
+    """What a test says of the volume of given materials.
+
+    Attributes:
+        kept: the candidate, or the same materials of a law with J where that is likelier.
+        far: whether J leaves far more.
+        open: whether both are about as likely.
+    """
+
+    kept: Candidate
+    far: bool = False
+    open: bool = False
+
+
 def with_area(settings: Constrained) -> Constrained | None:
     """The same search through laws with J; None where they are not asked for, or where all laws have it."""
     if settings.volume != "told" or "J" in settings.terms:
@@ -50,22 +64,23 @@ def may_stand_for_area(kept: Candidate) -> bool:
     return bool(set(kept.terms) & {*OF_THICKNESS, "fibre"}) or kept.leaves_more_than_noise
 
 
-def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> tuple[Candidate, bool]:
-    """(a candidate, or the same materials of a law with J where that is likelier; whether J leaves far more).
+def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Asked:
+    """Whether a law with J is likelier than that of a candidate, between the same materials.
 
     Args:
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
     """
-    if with_area(trials.settings) is None or kept.leaves_nothing or not may_stand_for_area(kept):
-        return kept, False
+    told = with_area(trials.settings) is None or "J" in kept.terms or kept.leaves_nothing
+    if told or not may_stand_for_area(kept):
+        return Asked(kept)
     problem, field = trials.problem(["J"], kept.subcells), kept.fit.field
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     materials = translated(field.materials, kept.problem, problem, begin)
     law = problem, field.with_law(materials), kept.u, steps
     found = trials.descend("a volume that changes", kept, *law, FEW_STEPS, kept.fit.window, finds_window)
     if found is None:
-        return kept, False
+        return Asked(kept)
     far = found.level > NOT_MADE_OF_FEW * max(kept.level, 1.0)
     if not far:
         law = problem, found.fit.field, found.u, steps
@@ -75,7 +90,7 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     best, passed = (found, kept) if gain > EVIDENCE and not kept.halves(found) else (kept, found)
     why = f"scores {abs(gain):+.1f} against" if (gain > 0.0) == (best is found) else "leaves twice the squares of"
     trials.passed_over(passed, f"{why} a law that says otherwise of the volume")
-    return best, far
+    return Asked(best, far, abs(gain) <= EVIDENCE)
 
 
 def of_either(

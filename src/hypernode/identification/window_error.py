@@ -53,7 +53,7 @@ def blurred_edges(
         noise: of a displacement.
     """
     side, kernel = correlation_window(measurement)
-    side = USUAL_WINDOW * grid_step(grid) if window_sought(measurement) else side
+    side = USUAL_WINDOW * grid.step if window_sought(measurement) else side
     changed = changed_by_window(grid, u, side, kernel)
     if edges_bend_beside(measurement):
         changed = _largest_around(grid, changed, 0.5 * side)
@@ -85,7 +85,7 @@ def with_errors_of_elements(error, weighed, grid: Mesh, u: Float[np.ndarray, "st
     Args:
         size: root mean square of the errors of elements.
     """
-    side = grid_step(grid)
+    side = grid.step
     changed = changed_by_window(grid, u, side, "average")
     mean = float(np.sqrt(np.mean(changed**2)))
     if mean == 0.0:
@@ -96,15 +96,10 @@ def with_errors_of_elements(error, weighed, grid: Mesh, u: Float[np.ndarray, "st
 
 def _largest_around(grid: Mesh, values: Float[np.ndarray, "step node 2"], distance: float):
     """The largest value of every component within a distance along the grid lines (step, node, 2)."""
-    reach = 2 * int(np.ceil(distance / grid_step(grid))) + 1
+    reach = 2 * int(np.ceil(distance / grid.step)) + 1
     whole = np.zeros((len(values), *grid.node_numbers.shape, 2))
     whole.reshape(len(values), -1, 2)[:, grid.places] = values
     return maximum_filter(whole, (1, reach, reach, 1)).reshape(len(values), -1, 2)[:, grid.places]
-
-
-def grid_step(grid: Mesh) -> float:
-    """Usual distance between points of a grid."""
-    return float(np.median(np.concatenate([np.diff(line) for line in grid.lines])))
 
 
 def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarray, " point"]) -> tuple[float, float]:
