@@ -10,7 +10,7 @@ import xarray as xr
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.evaluation.criteria import judge_run
-from hypernode.evaluation.explained import unexplained_share
+from hypernode.evaluation.explained import beside_corners, unexplained_share
 from hypernode.evaluation.polish import score_polish
 from hypernode.evaluation.region import score_region
 from hypernode.evaluation.thresholds import SETTINGS, Threshold
@@ -226,6 +226,12 @@ def test_places_count_where_what_is_missed_there_is_deformation_that_counts_and_
     field = grid.assign(places).assign_attrs(noise_deformation=0.002, misfits=json.dumps({"displacement": 1.0}))
     assert unexplained_share(field, SETTINGS) == 1.0 / 64.0
     assert unexplained_share(field.assign_attrs(noise_deformation=0.1), SETTINGS) == 2.0 / 64.0
+
+
+@pytest.mark.parametrize(("side", "left_out"), [(8, 16), (4, 0)])
+def test_cells_beside_corners_are_left_out_where_others_remain(side, left_out):
+    measurement, _, _ = sheet(side, square, make_load("biaxial", [[1.05, 1.04]]))
+    assert beside_corners(measurement).sum() == left_out
 
 
 def test_what_a_line_leaves_open_inside_a_cell_is_said_and_is_no_doubt_of_materials(measurement):

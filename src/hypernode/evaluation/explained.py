@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Bool
 
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
 from hypernode.data.measurement import mesh_of
@@ -32,19 +33,24 @@ def missed_deformation(misfit, constrained: xr.Dataset):
     return np.sqrt(np.maximum(misfit**2 - 1.0, 0.0)) * float(constrained.attrs["noise_deformation"])
 
 
-def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
-    """Share of the cells whose misfit exceeds chance and amounts to a relevant deformation, corners apart.
+def beside_corners(constrained: xr.Dataset) -> Bool[np.ndarray, " cell"]:
+    """Cells around which a local mean contains a corner of the grid; they say nothing of the material.
 
-    Where a clamp ends the stress has no bound, and no element follows it. Cells around which a local mean contains a
-    corner of the grid say nothing of the material.
+    Where a clamp ends the stress has no bound, and no element follows it. On a grid of four cells a side all are beside
+    corners, and none is left out.
     """
     mesh = mesh_of(constrained)
     corners = [f(mesh.nodes @ way) for f in (np.argmin, np.argmax) for way in ((1.0, 1.0), (1.0, -1.0))]
-    corner = mesh.around()[:, corners].sum(axis=1).A1 > 0
+    near = mesh.around()[:, corners].sum(axis=1).A1 > 0
+    return near & ~near.all()
+
+
+def unexplained_share(constrained: xr.Dataset, settings: Settings) -> float:
+    """Share of the cells whose misfit exceeds chance and amounts to a relevant deformation, corners apart."""
     # Local misfits are over that of the sheet where that is more than noise.
     usual = max(float(json.loads(constrained.attrs["misfits"])["displacement"]), 1.0)
     counts = missed_deformation(usual * constrained["local_misfit"], constrained) > settings.deformation
-    return float((((constrained["unexplained"] == 1) & counts).values & ~corner).mean())
+    return float((((constrained["unexplained"] == 1) & counts).values & ~beside_corners(constrained)).mean())
 
 
 def of_few_numbers(constrained: xr.Dataset) -> bool:
@@ -146,6 +152,7 @@ def judge_places(summary, settings: Settings) -> Criterion:
         return not_judged(name, "Displacements have no noise of points, so a local misfit cannot be judged.")
     share = summary["unexplained_share"]
     words = f"Displacements are missed by more than chance and {percent(settings.deformation)} of the deformation"
+    words += ", corners apart"
     words += f", up to {summary['largest_local_misfit']:.2f} times as much, in" if share else " in"
     return limited(name, words, share, settings.places, lambda v: f"{percent(v)} of the sheet")
 

@@ -123,7 +123,7 @@ class LawSearch:
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""
-        return self._of_terms(kept, other.terms, "the plainer law on coarse elements", move_lines=False)
+        return self._of_terms(kept, other.terms, "the same law on coarse elements", move_lines=False)
 
     def _of_terms(self, kept: Candidate, terms: tuple[str, ...], move: str, move_lines: bool) -> Candidate | None:
         """A candidate with other terms, from materials as stiff as its own; None without equilibrium."""
