@@ -7,6 +7,7 @@ import pytest
 import scipy.sparse
 
 from hypernode.fem.block_cholesky import BlockCholesky
+from hypernode.fem.block_factors import BlockFactors
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.nodal_forces import stiffness_matrix
 
@@ -45,3 +46,20 @@ def test_unknowns_that_meet_beyond_the_next_line_are_refused():
     line[line == 5] = 20
     with pytest.raises(ValueError, match="not neighbours"):
         BlockCholesky.of(energy, line)
+
+
+@pytest.mark.parametrize("pierced", [False, True])
+def test_blocks_of_neighbouring_unknowns_solve_many_columns_in_double_precision(pierced):
+    keep = np.ones((12, 7), bool)
+    keep[6:9, 3:5] = not pierced
+    energy, mesh = sheet(keep)
+    right = np.random.default_rng(1).normal(size=(len(mesh.nodes), 70))
+    found = BlockFactors.of_band(energy, 2**20).solve(right)
+    np.testing.assert_allclose(found, np.linalg.solve(energy.toarray(), right), rtol=1e-10, atol=1e-12)
+
+
+def test_blocks_beyond_the_memory_that_they_may_take_are_not_made():
+    energy, _ = sheet()
+    # A line of 8 nodes: neighbours are at most 9 apart, so two sets of blocks take 16 * 104 * 9 bytes.
+    assert BlockFactors.of_band(energy, 16 * 104 * 9) is not None
+    assert BlockFactors.of_band(energy, 16 * 104 * 9 - 1) is None

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from hypernode.fem.factors import AT_ONCE, MANY, CholeskyFactors, factorise
+from hypernode.fem import factors as module
+from hypernode.fem.factors import AT_ONCE, MANY, MOST_OF_BLOCKS, CholeskyFactors, factorise
 
 
 def stiffness(n):
@@ -24,7 +25,9 @@ def test_factors_solve_definite_and_indefinite_systems_of_one_vector_and_of_seve
     np.testing.assert_allclose(factors.solve(b[:, 1]), factors.solve(b)[:, 1], rtol=1e-12)
 
 
-def test_many_columns_have_the_solutions_that_each_has_alone():
+@pytest.mark.parametrize("memory", [MOST_OF_BLOCKS, 0])
+def test_many_columns_have_the_solutions_that_each_has_alone_whatever_memory_blocks_may_take(memory, monkeypatch):
+    monkeypatch.setattr(module, "MOST_OF_BLOCKS", memory)
     A = stiffness(40)
     b = np.random.default_rng(2).normal(size=(40, AT_ONCE + MANY))
     factors = factorise(A)

@@ -1,10 +1,11 @@
-"""When one more material is kept."""
+"""When one more material is kept, and which of two cuts."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from hypernode.fem.mesh import rectilinear
 from hypernode.identification import parting
 from hypernode.identification.parting import Parting
 
@@ -64,3 +65,19 @@ def test_a_gradual_change_begins_with_the_fibres_of_most_cells_where_cells_have_
     else:
         assert asked["field"] is known
         np.testing.assert_allclose(asked["factor"], [0.5, 1.5])
+
+
+@pytest.mark.parametrize(("strip", "differs"), [(0, False), (1, False), (2, True), (3, True)])
+@pytest.mark.parametrize("score", [-5.0, 5.0])
+def test_two_cuts_that_no_line_joins_are_both_tried_and_the_likelier_one_is_kept(strip, differs, score, monkeypatch):
+    mesh = rectilinear(np.arange(9.0), np.arange(7.0))
+    column = np.round(mesh.centres[:, 0] - 0.5)
+    cuts = {False: (column >= 8 - strip).astype(int), True: np.zeros(len(column), int)}
+    known = SimpleNamespace(lines=SimpleNamespace(grid=SimpleNamespace(mesh=mesh)))
+    beside = SimpleNamespace(known=known, parts=lambda count, squared=False: (cuts[squared], None))
+    passed, tried = [], {False: candidate(1.0, score=0.0), True: candidate(1.0, score=score)}
+    search = Parting(SimpleNamespace(passed_over=lambda each, why: passed.append(each)), [0], False)
+    monkeypatch.setattr(search, "cut", lambda begun, beside, count, squared=False: tried[squared])
+    better = differs and score < 0.0
+    assert search._likelier_cut(None, beside, 2) is tried[better]
+    assert passed == ([tried[not better]] if differs else [])

@@ -1,6 +1,7 @@
 """Factors of sparse symmetric matrices: Cholesky's by CHOLMOD; SuperLU's where a matrix is not positive definite."""
 
 import functools
+from collections.abc import Callable
 
 import cvxopt
 import cvxopt.cholmod
@@ -10,6 +11,8 @@ import scipy.sparse.linalg
 from cholespy import CholeskySolverD, MatrixType
 from jaxtyping import Float
 
+from hypernode.fem.block_factors import BlockFactors
+
 #: Of SuperLU for symmetric matrices: pivots must not disturb their ordering, and those that are positive definite need
 #: none, so that their factors are those of Cholesky.
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
@@ -17,6 +20,8 @@ SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options":
 
 #: Columns from which factors that solve for many at once pay for being made, and how many they solve for at once.
 MANY, AT_ONCE = 64, 128
+#: Memory up to which they are factors by blocks [bytes]: of 200 x 200 cells.
+MOST_OF_BLOCKS = 640 * 2**20
 
 
 class CholeskyFactors:
@@ -46,19 +51,26 @@ class CholeskyFactors:
         return np.array(x).reshape(b.shape)
 
     @functools.cached_property
-    def _columns(self) -> CholeskySolverD:
-        """Factors that take many columns at once, where those of CVXOPT take one after the other."""
+    def _columns(self) -> Callable:
+        """A solve that takes many columns at once, where that of CVXOPT takes one after the other."""
+        blocks = BlockFactors.of_band(self._matrix, MOST_OF_BLOCKS)
+        if blocks is not None:
+            return blocks.solve
         lower = scipy.sparse.tril(self._matrix, format="csc")
         indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
-        return CholeskySolverD(lower.shape[0], *indices, lower.data, MatrixType.CSC)
+        factors = CholeskySolverD(lower.shape[0], *indices, lower.data, MatrixType.CSC)
+
+        def solve(b):
+            given, solved = np.ascontiguousarray(b), np.empty(b.shape)
+            factors.solve(given, solved)
+            return solved
+
+        return solve
 
     def _of_many(self, b: Float[np.ndarray, "n column"]) -> Float[np.ndarray, "n column"]:
         found = np.empty(b.shape)
         for first in range(0, b.shape[1], AT_ONCE):
-            given = np.ascontiguousarray(b[:, first : first + AT_ONCE])
-            solved = np.empty_like(given)
-            self._columns.solve(given, solved)
-            found[:, first : first + AT_ONCE] = solved
+            found[:, first : first + AT_ONCE] = self._columns(b[:, first : first + AT_ONCE])
         return found
 
 

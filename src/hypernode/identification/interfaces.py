@@ -148,19 +148,14 @@ class Interfaces:
         """Moves of lines that stay."""
         return [scipy.sparse.csr_matrix((len(distance), 0)) for distance in self.distances]
 
-    def loads_of_materials(self, by_materials, of: CellMaterials) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the materials, row by row, of cells that are of these.
-
-        Args:
-            by_materials: of :meth:`Sheet.by_materials`.
-        """
-        by_one, by_first, by_second = by_materials
-        mesh, count = self.lines.fine.mesh, by_one.shape[2]
+    def loads_of_materials(self, response: CellResponse, of: CellMaterials) -> scipy.sparse.csr_matrix:
+        """Derivative of the nodal forces by the materials, row by row, of cells that are of these."""
+        mesh, count = self.lines.fine.mesh, response.by_one.shape[2]
         rows, columns, values = [], [], []
         for each, material, dofs in (
-            (by_one, of.one, mesh.dofs),
-            (by_first, of.first, mesh.dofs[of.cell]),
-            (by_second, of.second, mesh.dofs[of.cell]),
+            (response.by_one, of.one, mesh.dofs),
+            (response.by_first, of.first, mesh.dofs[of.cell]),
+            (response.by_second, of.second, mesh.dofs[of.cell]),
         ):
             rows.append(np.repeat(dofs[:, :, None], count, axis=2).ravel())
             columns.append(np.broadcast_to(material[:, None, None] * count + np.arange(count), each.shape).ravel())
@@ -171,7 +166,7 @@ class Interfaces:
     def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
         of, cuts = self.cells()
-        mesh, found = self.lines.fine.mesh, [self.loads_of_materials(response.by_materials, of)]
+        mesh, found = self.lines.fine.mesh, [self.loads_of_materials(response, of)]
         for k, move in enumerate(moves):
             own = np.flatnonzero((cuts.low == k) | (cuts.up == k))
             slopes, turns = self.lines.fine.slopes(self.lines.between @ self.distances[k], of.cell[own])

@@ -124,7 +124,7 @@ class Mosaic(Interfaces):
         if any(each is None for each in between):
             return None
         sigma = test.sigma_of(states)
-        loads = [self._loads(test.sheet.response(u, half_way, True)[2], half_way, options) for u, _, _ in between]
+        loads = [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in between]
         answers = [answer.J for answer in test.answers(between, loads, sigma)]
         curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
         count = len(options.cell)
@@ -171,7 +171,7 @@ class Mosaic(Interfaces):
         change = response.by_weight[:number] - response.by_weight[now]
         rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
         by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (mesh.nodes.size, number))
-        return scipy.sparse.hstack([by_options, self.loads_of_materials(response.by_materials, of)], format="csr")
+        return scipy.sparse.hstack([by_options, self.loads_of_materials(response, of)], format="csr")
 
 
 def _sides(mesh: Mesh) -> scipy.sparse.csr_matrix:

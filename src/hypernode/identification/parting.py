@@ -6,7 +6,9 @@ explains more of the test than its numbers cost. One material that changes gradu
 """
 
 import numpy as np
+from jaxtyping import Int
 
+from hypernode.fem.mesh import Mesh
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
@@ -124,14 +126,12 @@ class Parting:
         beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
-        known, u, kept = beside.known, beside.reached, begun
+        kept = begun
         # On top of another law, as many materials may lie elsewhere.
-        for count in range(known.count + first, MOST + 1):
-            labels, materials = beside.parts(count)
-            if len(materials) < count:
+        for count in range(beside.known.count + first, MOST + 1):
+            if len(beside.parts(count)[1]) < count:
                 break
-            field = Interfaces.around(known.lines, materials, labels)
-            found = self._descend(f"{count} materials and lines", begun, beside, field, u)
+            found = self._likelier_cut(begun, beside, count)
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -163,24 +163,34 @@ class Parting:
         halves = (self._small or kept.fit.field.count > 1) and found.halves(kept)
         return "leaves twice the squares of" if halves else ""
 
-    def _descend(self, move: str, begun: Candidate, beside: Beside, field: Interfaces, u) -> Candidate | None:
-        """Materials and lines from where they were cut out of numbers in every cell."""
-        window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
-        finds, steps = self.finds_window, self.steps
-        return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
+    def _likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
+        """So many materials from the likelier of two cuts, where these differ by more than lines may move."""
+        found = self.cut(begun, beside, count)
+        both = (beside.parts(count, squared=squared)[0] for squared in (False, True))
+        if found is None or not _differ_inside(beside.known.lines.grid.mesh, *both):
+            return found
+        other = self.cut(begun, beside, count, squared=True)
+        if other is None:
+            return found
+        gain = other.gain_over(found)
+        better, worse = (other, found) if gain > 0.0 else (found, other)
+        self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
+        return better
 
-    def by_squares(self, one: Candidate, beside: Beside, count: int) -> Candidate | None:
-        """So many materials from another cut of the factor in every cell; None where it gives none.
+    def cut(self, begun: Candidate, beside: Beside, count: int, squared: bool = False) -> Candidate | None:
+        """So many materials, with lines where numbers of every cell are cut; None where these give fewer.
 
         Args:
-            one: the homogeneous sheet.
-            beside: the factor on top of it.
+            squared: of :func:`~hypernode.identification.partition.levels`.
         """
-        labels, materials = beside.parts(count, squared=True)
+        labels, materials = beside.parts(count, squared=squared)
         if len(materials) < count:
             return None
-        field, u = Interfaces.around(beside.known.lines, materials, labels), beside.reached
-        return self._descend(f"{count} materials and lines, cut by squares", one, beside, field, u)
+        field = Interfaces.around(beside.known.lines, materials, labels)
+        window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
+        finds, move = self.finds_window, f"{count} materials and lines" + ", cut by squares" * squared
+        u, steps = beside.reached, self.steps
+        return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
 
     def _gradual(self, begun: Candidate, beside: Beside, kept: Candidate) -> Candidate:
         """One material that changes gradually, where few materials explain the test no better."""
@@ -199,3 +209,12 @@ class Parting:
             return best
         trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
         return kept
+
+
+def _differ_inside(mesh: Mesh, one: Int[np.ndarray, " cell"], other: Int[np.ndarray, " cell"]) -> bool:
+    """Whether two cuts differ in a cell and in all that touch it, so that no line that moves leads to the other."""
+    differs, pairs = one != other, mesh.touching()
+    alike_beside = np.zeros(len(one), bool)
+    for here, there in (pairs.T, pairs.T[::-1]):
+        alike_beside[here[~differs[there]]] = True
+    return bool((differs & ~alike_beside).any())

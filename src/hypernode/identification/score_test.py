@@ -135,7 +135,7 @@ class ScoreTest:
         self._known, self._y = len(numbers.y), numbers.y
         sheet, (of, _) = Sheet(problem.mesh, self.points, problem.observations.relative_thickness), field.cells()
         loads = [
-            scipy.sparse.hstack([own, field.loads_of_materials(sheet.by_materials(u, of), of)], format="csr")
+            scipy.sparse.hstack([own, field.loads_of_materials(sheet.cell_response(u, of), of)], format="csr")
             for own, (u, _, _) in zip(test.loads(field, states, field.still), states, strict=True)
         ]
         answers = [each.J for each in test.answers(states, loads, sigma)]

@@ -14,8 +14,6 @@ from hypernode.identification.points import Points
 
 #: Newton steps to equilibrium at most.
 STEPS = 12
-#: A step leaves about the square of a small residual; by which share of the tolerance that counts as small.
-SQUARE = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +65,7 @@ class CellResponse:
         by_weight: by the weight of a pair (piece, 8).
         by_share: by the share of the first (piece, 8).
         by_normal: by the normal of the plane (piece, 8, 2).
-        by_factor: by the logarithm of the factor of each cell (cell, 8).
+        by_factor: by the logarithm of the factor of each cell (cell, 8), None where it is not asked for.
     """
 
     by_one: np.ndarray
@@ -76,12 +74,7 @@ class CellResponse:
     by_weight: np.ndarray
     by_share: np.ndarray
     by_normal: np.ndarray
-    by_factor: np.ndarray
-
-    @property
-    def by_materials(self):
-        """As :meth:`Sheet.by_materials` has it."""
-        return self.by_one, self.by_first, self.by_second
+    by_factor: np.ndarray | None
 
 
 class Sheet:
@@ -109,54 +102,52 @@ class Sheet:
         place, self._place = np.unique(columns * count + rows, return_inverse=True)
         self._pattern = place % count, np.searchsorted(place // count, np.arange(count + 1))
 
-    def response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials, with_parameters: bool = False):
-        """(nodal forces (degree of freedom,), their tangent (sparse), :class:`CellResponse` or None)."""
-        force, tangent, cells, _ = self._response(u, of, with_parameters)
-        return force, tangent, cells
+    def response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials):
+        """(nodal forces (degree of freedom,), their tangent (sparse))."""
+        return self._response(u, of)[:2]
 
-    def _response(self, u, of: CellMaterials, with_parameters: bool = False, near: Jumps | None = None):
+    def _response(self, u, of: CellMaterials, near: Jumps | None = None):
         """The same, with the jumps of the layers, which begin near those of a displacement nearby."""
-        F = self._deformation(u)
-        shape, flat = F.shape, F.reshape(2, 2, -1)
-        quads, whole = shape[2], np.bincount(of.cell, minlength=shape[3]) == 0
-        every = np.tile(of.materials[of.one].T, (1, quads))
-        if with_parameters:
-            P, A, D = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.all(flat, every))
-        else:
-            P, A = (each.reshape(*each.shape[:-1], *shape[2:]) for each in self.points.stress(flat, every))
-        cells = jumps = None
+        F, jumps = self._deformation(u), None
+        P, A = self._of_whole_cells(self.points.stress, F, of)
         if len(of.cell):
-            layers = of.layers(self.points, F[..., of.cell], with_parameters, near)
-            jumps = layers.jumps
-            P = P * whole + of.mean(layers.P.reshape(2, 2, quads, -1), shape[3])
-            A = A * whole + of.mean(layers.by_F.reshape(2, 2, 2, 2, quads, -1), shape[3])
-        P, A = P * of.factor, A * of.factor
-        force = self._forces(P[:, :, None])[..., 0]
-        if with_parameters:
-            pieces = self._of_pieces(layers, of) if len(of.cell) else _no_pieces(D.shape[2])
-            cells = CellResponse(by_one=self._forces(D * whole * of.factor), by_factor=force, **pieces)
+            layers = of.layers(self.points, F[..., of.cell], False, near)
+            P, A, jumps = *(self._with_layers(*each, of) for each in ((P, layers.P), (A, layers.by_F))), layers.jumps
+        force = self._forces((P * of.factor)[:, :, None])[..., 0]
         # Forces follow from P by B, and F from u by B again.
-        half = np.einsum("aJqc,iJkLqc->aikLqc", self._B, A * self._weight, optimize=True)
+        half = np.einsum("aJqc,iJkLqc->aikLqc", self._B, A * (of.factor * self._weight), optimize=True)
         K = np.einsum("aikLqc,bLqc->caibk", half, self._B, optimize=True).reshape(-1)
         data = np.bincount(self._place, K, len(self._pattern[0]))
         matrix = scipy.sparse.csc_matrix((data, *self._pattern), 2 * (self.mesh.nodes.size,))
-        return np.bincount(self.mesh.dofs.ravel(), force.ravel(), self.mesh.nodes.size), matrix, cells, jumps
+        return np.bincount(self.mesh.dofs.ravel(), force.ravel(), self.mesh.nodes.size), matrix, jumps
 
-    def by_materials(self, u: Float[np.ndarray, "node 2"], of: CellMaterials):
-        """Derivative of the nodal forces by materials: of uncut cells, of the first and second of pairs of layers.
+    def cell_response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials, by_factor: bool = False) -> CellResponse:
+        """How nodal forces answer to what decides them."""
+        F, whole = self._deformation(u), self._whole(of)
+        D = self._of_whole_cells(lambda *given: (self.points.by_parameters(*given),), F, of)[0]
+        layers = of.layers(self.points, F[..., of.cell], True) if len(of.cell) else None
+        force = None
+        if by_factor:
+            P, _ = self._of_whole_cells(self.points.stress, F, of)
+            P = P if layers is None else self._with_layers(P, layers.P, of)
+            force = self._forces((P * of.factor)[:, :, None])[..., 0]
+        pieces = _no_pieces(D.shape[2]) if layers is None else self._of_pieces(layers, of)
+        return CellResponse(by_one=self._forces(D * whole * of.factor), by_factor=force, **pieces)
 
-        See ``by_one``, ``by_first`` and ``by_second`` of :class:`CellResponse`.
-        """
-        F, whole = self._deformation(u), np.bincount(of.cell, minlength=len(self.mesh.cells)) == 0
-        quads = F.shape[2]
-        flat, every = F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads))
-        D = self.points.by_parameters(flat, every).reshape(2, 2, -1, quads, len(whole))
-        by_one = self._forces(D * whole * of.factor)
-        if len(of.cell):
-            pieces = self._of_pieces(of.layers(self.points, F[..., of.cell], True), of)
-        else:
-            pieces = _no_pieces(D.shape[2])
-        return by_one, pieces["by_first"], pieces["by_second"]
+    def _of_whole_cells(self, function, F, of: CellMaterials):
+        """What a function of F and parameters at points makes of cells that are of one material [..., quad, cell]."""
+        quads, cells = F.shape[2:]
+        found = function(F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads)))
+        return [each.reshape(*each.shape[:-1], quads, cells) for each in found]
+
+    def _whole(self, of: CellMaterials):
+        """Whether no line cuts a cell (cell,)."""
+        return np.bincount(of.cell, minlength=len(self.mesh.cells)) == 0
+
+    def _with_layers(self, of_one, of_layers, of: CellMaterials):
+        """Values of cells [..., quad, cell], those of cut cells as means over their layers."""
+        quads, cells = of_one.shape[-2:]
+        return of_one * self._whole(of) + of.mean(of_layers.reshape(*of_layers.shape[:-1], quads, -1), cells)
 
     def _deformation(self, u) -> Float[np.ndarray, "2 2 quad cell"]:
         H = np.einsum("cai,aJqc->iJqc", u[self.mesh.cells], self._B)
@@ -184,7 +175,7 @@ class Sheet:
         u, jumps = guess.copy(), None
         fixed = np.setdiff1d(np.arange(u.size), free)
         for _ in range(STEPS):
-            force, K, _, jumps = self._response(u, of, near=jumps)
+            force, K, jumps = self._response(u, of, jumps)
             size = np.linalg.norm(force[free]) / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
             if not np.isfinite(size):
                 return None
@@ -193,7 +184,8 @@ class Sheet:
             step = np.zeros(u.size)
             step[free] = factorise(K[free][:, free]).solve(force[free])
             u = u - step.reshape(u.shape)
-            if size**2 <= SQUARE * tolerance:
+            # A step leaves about the square of a small residual.
+            if size**2 <= tolerance:
                 return u, force - K @ step, K
         return None
 

@@ -15,6 +15,7 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
+from hypernode.identification.interface_fit import TRUSTED
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.regulariser import CORNER_SHARE, SIDE_SHARE
 from hypernode.identification.seen_test import SeenTest
@@ -147,7 +148,7 @@ class CellDescent:
         """Derivative of the nodal forces by the numbers of every group, number by number, by step."""
         mesh, (of, _), found = self._test.sheet.mesh, field.cells(), []
         for u, _, _ in states:
-            response = self._test.sheet.response(u, of, True)[2]
+            response = self._test.sheet.cell_response(u, of)
             force = response.by_one[:, :, self._columns]
             np.add.at(force, of.cell, (response.by_first + response.by_second)[:, :, self._columns])
             rows, columns = mesh.dofs.ravel(), np.repeat(np.arange(len(force)), 8)
@@ -164,16 +165,22 @@ class CellDescent:
         states, sigma = test.states(field, guesses), np.inf
         if states is None:
             return None
+        fresh = True
         for number in range(done, most):
             convex = number < CONVEX_STEPS
-            sigma = test.sigma_of(states, sigma)
-            shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-            answers = test.answers(states, self._loads(field, states, members), sigma)
-            curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
+            if fresh:
+                sigma = test.sigma_of(states, sigma)
+                shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
+                answers = test.answers(states, self._loads(field, states, members), sigma)
+                jacobians = [answer.J for answer in answers]
+                curvature, gradient = shared.normal(jacobians, residuals)
+            else:
+                residuals = test.residuals(states, sigma)
+                gradient = shared.gradient(jacobians, residuals)
             before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
-            step = np.clip(self._step(curvature, gradient, values, members, convex), -LARGEST_STEP, LARGEST_STEP)
-            moved = None
-            for fraction in FRACTIONS:
+            step, promised = self._step(curvature, gradient, values, members, convex)
+            gained, trusted = None, False
+            for fraction in FRACTIONS if fresh else FRACTIONS[:1]:
                 trial = values + fraction * step[groups]
                 there = Shifted(self._of, self._columns, trial)
                 reached = test.followed(there, states, answers, fraction * step.T.ravel())
@@ -181,17 +188,17 @@ class CellDescent:
                     continue
                 after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, convex)[0]
                 if after < before:
-                    moved = before - after
+                    gained, trusted = before - after, fraction == 1.0 and before - after > TRUSTED * promised
+                    values, states, field = trial, reached, there
                     break
-            if moved is None:
+            if fresh and (gained is None or (gained < GAIN * before and not convex)):
                 break
-            values, states, field = trial, reached, there
-            if moved < GAIN * before and not convex:
-                break
+            # The next step is made of the same derivatives once, where they told what this one gained.
+            fresh = not (fresh and trusted)
         return ByCell(values, states, test.left(states), groups)
 
     def _step(self, curvature, gradient, values, members, convex):
-        """Change of the numbers of every group of cells (group, number)."""
+        """(change of the numbers of every group of cells (group, number), what it should gain)."""
         count = len(self._columns)
         every = scipy.sparse.block_diag([members] * count, format="csr")
         step = np.zeros(every.shape[1])
@@ -203,4 +210,5 @@ class CellDescent:
             factors = scipy.linalg.cho_factor(curvature + held + of_blocks, overwrite_a=True, check_finite=False)
             pull = np.concatenate([members.T @ (R @ column) for column in values.T])
             step = -scipy.linalg.cho_solve(factors, gradient + pull)
-        return step.reshape(count, -1).T
+        step = np.clip(step, -LARGEST_STEP, LARGEST_STEP)
+        return step.reshape(count, -1).T, -0.5 * float((gradient + pull) @ step)

@@ -148,7 +148,7 @@ class _Member:
     def _states(self):
         """(displacement, nodal forces, tangent) of every step, one after the other."""
         (of, _), u = self.field.cells(), np.zeros_like(self._problem.mesh.nodes)
-        before, (_, at_rest, _) = u, self._sheet.response(u, of)
+        before, (_, at_rest) = u, self._sheet.response(u, of)
         for number, boundary in enumerate(self._problem.observations.boundaries):
             guess = _extended(at_rest, boundary)
             reached = self._reached(u, guess - before, boundary, of)
@@ -181,7 +181,10 @@ class _Member:
         u, force, K = state
         free, factor = boundary.free, factorise(K[boundary.free][:, boundary.free])
         of, _ = self.field.cells()
-        load = self.field.loads(self._sheet.response(u, of, True)[2], self.field.still) @ self._changes
+        load = (
+            self.field.loads(self._sheet.cell_response(u, of, len(self.field.gradual) > 0), self.field.still)
+            @ self._changes
+        )
         by_laws = np.zeros((u.size, load.shape[1]))
         by_laws[free] = -factor.solve(load[free])
         by_edges = boundary.errors.toarray()
