@@ -15,7 +15,6 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.interface_fit import TRUSTED
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.regulariser import CORNER_SHARE, SIDE_SHARE
 from hypernode.identification.seen_test import SeenTest
@@ -165,22 +164,16 @@ class CellDescent:
         states, sigma = test.states(field, guesses), np.inf
         if states is None:
             return None
-        fresh = True
         for number in range(done, most):
             convex = number < CONVEX_STEPS
-            if fresh:
-                sigma = test.sigma_of(states, sigma)
-                shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-                answers = test.answers(states, self._loads(field, states, members), sigma)
-                jacobians = [answer.J for answer in answers]
-                curvature, gradient = shared.normal(jacobians, residuals)
-            else:
-                residuals = test.residuals(states, sigma)
-                gradient = shared.gradient(jacobians, residuals)
+            sigma = test.sigma_of(states, sigma)
+            shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
+            answers = test.answers(states, self._loads(field, states, members), sigma)
+            curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
             before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
-            step, promised = self._step(curvature, gradient, values, members, convex)
-            gained, trusted = None, False
-            for fraction in FRACTIONS if fresh else FRACTIONS[:1]:
+            step = np.clip(self._step(curvature, gradient, values, members, convex), -LARGEST_STEP, LARGEST_STEP)
+            moved = None
+            for fraction in FRACTIONS:
                 trial = values + fraction * step[groups]
                 there = Shifted(self._of, self._columns, trial)
                 reached = test.followed(there, states, answers, fraction * step.T.ravel())
@@ -188,17 +181,17 @@ class CellDescent:
                     continue
                 after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, convex)[0]
                 if after < before:
-                    gained, trusted = before - after, fraction == 1.0 and before - after > TRUSTED * promised
-                    values, states, field = trial, reached, there
+                    moved = before - after
                     break
-            if fresh and (gained is None or (gained < GAIN * before and not convex)):
+            if moved is None:
                 break
-            # The next step is made of the same derivatives once, where they told what this one gained.
-            fresh = not (fresh and trusted)
+            values, states, field = trial, reached, there
+            if moved < GAIN * before and not convex:
+                break
         return ByCell(values, states, test.left(states), groups)
 
     def _step(self, curvature, gradient, values, members, convex):
-        """(change of the numbers of every group of cells (group, number), what it should gain)."""
+        """Change of the numbers of every group of cells (group, number)."""
         count = len(self._columns)
         every = scipy.sparse.block_diag([members] * count, format="csr")
         step = np.zeros(every.shape[1])
@@ -210,5 +203,4 @@ class CellDescent:
             factors = scipy.linalg.cho_factor(curvature + held + of_blocks, overwrite_a=True, check_finite=False)
             pull = np.concatenate([members.T @ (R @ column) for column in values.T])
             step = -scipy.linalg.cho_solve(factors, gradient + pull)
-        step = np.clip(step, -LARGEST_STEP, LARGEST_STEP)
-        return step.reshape(count, -1).T, -0.5 * float((gradient + pull) @ step)
+        return step.reshape(count, -1).T
