@@ -72,8 +72,8 @@ def test_forces_change_with_every_number_as_their_derivative_says(subcells):
     u = 0.1 * mesh.nodes + 0.01 * np.random.default_rng(3).normal(size=mesh.nodes.shape)
     of, _ = field.cells()
     moves = field.moves(1.3)
-    response = Sheet(mesh, POINTS, np.ones(len(of.one))).cell_response(u, of, True)
-    found, y, h = field.loads(response, moves).toarray(), field.numbers(moves), 1e-6
+    sheet = Sheet(mesh, POINTS, np.ones(len(of.one)))
+    found, y, h = field.loads(sheet, u, moves).toarray(), field.numbers(moves), 1e-6
     for number, unit in enumerate(np.eye(len(y))):
         more, less = (forces(field.at(y + sign * h * unit, moves), u) for sign in (1.0, -1.0))
         np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
@@ -85,8 +85,8 @@ def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
     mesh = field.lines.fine.mesh
     u, moves = 0.1 * mesh.nodes, field.moves(1.3)
     of, _ = field.cells()
-    response = Sheet(mesh, POINTS, np.ones(len(of.one))).cell_response(u, of, True)
-    found, y, h = field.loads(response, moves).toarray(), field.numbers(moves), 1e-6
+    sheet = Sheet(mesh, POINTS, np.ones(len(of.one)))
+    found, y, h = field.loads(sheet, u, moves).toarray(), field.numbers(moves), 1e-6
     for number, unit in enumerate(np.eye(len(y))):
         more, less = (forces(field.at(y + sign * h * unit, moves), u) for sign in (1.0, -1.0))
         np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)

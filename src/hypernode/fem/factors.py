@@ -1,5 +1,6 @@
 """Factors of sparse symmetric matrices: Cholesky's by CHOLMOD; SuperLU's where a matrix is not positive definite."""
 
+import contextlib
 import functools
 from collections.abc import Callable
 
@@ -53,9 +54,10 @@ class CholeskyFactors:
     @functools.cached_property
     def _columns(self) -> Callable:
         """A solve that takes many columns at once, where that of CVXOPT takes one after the other."""
-        blocks = BlockFactors.of_band(self._matrix, MOST_OF_BLOCKS)
-        if blocks is not None:
-            return blocks.solve
+        # Where a sheet is about to buckle, rounding decides whether a matrix counts as positive definite.
+        with contextlib.suppress(np.linalg.LinAlgError):
+            if blocks := BlockFactors.of_band(self._matrix, MOST_OF_BLOCKS):
+                return blocks.solve
         lower = scipy.sparse.tril(self._matrix, format="csc")
         indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         factors = CholeskySolverD(lower.shape[0], *indices, lower.data, MatrixType.CSC)

@@ -86,26 +86,16 @@ class SharedErrors:
 
     def normal(self, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray]):
         """(J^T C^-1 J, J^T C^-1 r)."""
-        curvature = by_loads = 0.0
-        for k, J in enumerate(jacobians):
-            half, first = self._half(k, self._by_edges(k, J)), len(self.answers[k].u)
+        curvature = gradient = by_loads = through = 0.0
+        for k, (J, r) in enumerate(zip(jacobians, residuals, strict=True)):
+            half, half_r = self._half(k, self._by_edges(k, J)), self._half(k, self._by_edges(k, r))
             curvature = curvature + J.T @ J - half.T @ half
-            by_loads = by_loads + J[first:].T @ self.loads[k] - half.T @ self._of_loads[0][k]
-        curvature = curvature - by_loads @ np.linalg.solve(self._of_loads[1], by_loads.T)
-        return curvature, self.gradient(jacobians, residuals)
-
-    def gradient(self, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray]) -> np.ndarray:
-        """J^T C^-1 r."""
-        halves = [self._half(k, self._by_edges(k, r)) for k, r in enumerate(residuals)]
-        of_loads, between = self._of_loads
-        each = list(zip(self.answers, self.loads, residuals, halves, of_loads, strict=True))
-        through = np.linalg.solve(between, sum(E.T @ r[len(a.u) :] - load.T @ half for a, E, r, half, load in each))
-        found = 0.0
-        for k, (J, (a, E, r, half, load)) in enumerate(zip(jacobians, each, strict=True)):
-            edges = scipy.linalg.solve_triangular(self._factors[k][0], half - load @ through, lower=True, trans="T")
-            u, f = np.split(r, [len(a.u)])
-            found = found + J.T @ np.concatenate([u - a.u @ edges / self.sigma, f - E @ through - a.f @ edges])
-        return found
+            gradient = gradient + J.T @ r - half.T @ half_r
+            first, E, of_loads = len(self.answers[k].u), self.loads[k], self._of_loads[0][k]
+            by_loads = by_loads + J[first:].T @ E - half.T @ of_loads
+            through = through + r[first:] @ E - half_r @ of_loads
+        solved = np.linalg.solve(self._of_loads[1], np.concatenate([by_loads.T, through[:, None]], axis=1))
+        return curvature - by_loads @ solved[:, :-1], gradient - by_loads @ solved[:, -1]
 
     def white(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Residuals of each step, transformed to unit variance; correlation by load cells remains."""

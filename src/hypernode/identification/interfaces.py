@@ -16,7 +16,7 @@ from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.coats import Cuts, laid, layers_of
 from hypernode.identification.gradual import Splines
-from hypernode.identification.sheet import CellMaterials, CellResponse
+from hypernode.identification.sheet import CellMaterials, CellResponse, Sheet
 
 
 @dataclasses.dataclass(frozen=True)
@@ -163,9 +163,10 @@ class Interfaces:
         entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         return scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.count * count))
 
-    def loads(self, response: CellResponse, moves) -> scipy.sparse.csr_matrix:
+    def loads(self, sheet: Sheet, u: Float[np.ndarray, "node 2"], moves) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
         of, cuts = self.cells()
+        response = sheet.cell_response(u, of, by_factor=self.lines.splines is not None)
         mesh, found = self.lines.fine.mesh, [self.loads_of_materials(response, of)]
         for k, move in enumerate(moves):
             own = np.flatnonzero((cuts.low == k) | (cuts.up == k))

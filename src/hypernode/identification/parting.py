@@ -165,13 +165,12 @@ class Parting:
 
     def _likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
         """So many materials from the likelier of two cuts, where these differ by more than lines may move."""
-        found = self.cut(begun, beside, count)
-        both = (beside.parts(count, squared=squared)[0] for squared in (False, True))
-        if found is None or not _differ_inside(beside.known.lines.grid.mesh, *both):
+        found, mesh = self.cut(begun, beside, count), beside.known.lines.grid.mesh
+        if not _differ_inside(mesh, *(beside.parts(count, squared=squared)[0] for squared in (False, True))):
             return found
         other = self.cut(begun, beside, count, squared=True)
-        if other is None:
-            return found
+        if found is None or other is None:
+            return found or other
         gain = other.gain_over(found)
         better, worse = (other, found) if gain > 0.0 else (found, other)
         self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")

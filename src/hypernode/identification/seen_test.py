@@ -201,8 +201,7 @@ class SeenTest:
 
     def loads(self, field: Interfaces, states, moves) -> list[scipy.sparse.csr_matrix]:
         """Derivative of the nodal forces by the numbers of a field, by step."""
-        (of, _), gradual = field.cells(), len(field.gradual) > 0
-        return [field.loads(self.sheet.cell_response(u, of, gradual), moves) for u, _, _ in states]
+        return [field.loads(self.sheet, u, moves) for u, _, _ in states]
 
     def jacobian(self, field: Interfaces, states, moves) -> Jacobian:
         """Derivatives by the numbers of a field as products, with what residuals share."""

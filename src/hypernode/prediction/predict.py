@@ -180,11 +180,7 @@ class _Member:
         """(displacement that is seen, its variance, forces on edges, their variance) of a step."""
         u, force, K = state
         free, factor = boundary.free, factorise(K[boundary.free][:, boundary.free])
-        of, _ = self.field.cells()
-        load = (
-            self.field.loads(self._sheet.cell_response(u, of, len(self.field.gradual) > 0), self.field.still)
-            @ self._changes
-        )
+        load = self.field.loads(self._sheet, u, self.field.still) @ self._changes
         by_laws = np.zeros((u.size, load.shape[1]))
         by_laws[free] = -factor.solve(load[free])
         by_edges = boundary.errors.toarray()
