@@ -1,5 +1,7 @@
 """Coats of materials and the lines between them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -121,3 +123,21 @@ def test_numbers_of_a_field_give_it_back():
     again = field.at(field.numbers(moves), moves)
     np.testing.assert_array_equal(again.distances, field.distances)
     np.testing.assert_array_equal(again.materials, field.materials)
+
+
+@pytest.mark.parametrize("stretch", [1.3, 2.0])
+def test_a_stiff_disc_in_a_compliant_sheet_is_in_equilibrium_however_far_the_guess_is(stretch):
+    field = coats(3.0 - np.hypot(X - 5.0, Y - 5.0))
+    of = dataclasses.replace(field.cells()[0], materials=np.array([[0.0], [4.0]]))
+    sheet, inside = Sheet(GRID, POINTS, np.ones(len(of.one))), (X > 0.0) & (X < 10.0) & (Y > 0.0) & (Y < 10.0)
+    free = np.flatnonzero(np.repeat(inside, 2))
+
+    def reached(guess):
+        return sheet.equilibrium(guess, free, of, 1e-9)[0]
+
+    near = np.zeros_like(GRID.nodes)
+    for load in np.arange(1.0, 11.0) / 10.0:
+        near[~inside] = load * (stretch - 1.0) * GRID.nodes[~inside]
+        near = reached(near)
+    # The homogeneous sheet stretches the disc as the rest, and a whole step from there turns cells inside out.
+    np.testing.assert_allclose(reached((stretch - 1.0) * GRID.nodes), near, atol=1e-6)

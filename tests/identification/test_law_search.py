@@ -38,12 +38,12 @@ def neo_hookean():
     return one_material()
 
 
-def with_law(trials, one, term):
+def with_law(trials, one, *terms):
     """The same material with another law."""
-    problem = trials.problem([term])
+    problem = trials.problem(terms)
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     field = one.fit.field.with_law(translated(one.fit.field.materials, one.problem, problem, begin))
-    return trials.descend(f"with {term}", one, problem, field, one.u, STEPS, NEAR)
+    return trials.descend(f"with {terms}", one, problem, field, one.u, STEPS, NEAR)
 
 
 @pytest.mark.parametrize("term", ["I2", "J"])
@@ -69,6 +69,15 @@ def test_a_term_that_the_test_asks_for_joins_and_stays():
     kept = law.end(one)
     assert kept.terms == ("I2",)
     assert law.plainer(kept) is kept
+
+
+def test_of_several_terms_the_one_that_data_tell_least_leaves_first():
+    trials, one = one_material(terms=("I2",), values={"log1p_I2": 1.0})
+    kept, law = with_law(trials, one, "I2", "fibre"), LawSearch(trials, STEPS, False)
+    assert law.doubts(kept) and law.plainer(kept).terms == ("I2",)
+    kept = with_law(trials, one, "fibre", "I2")
+    assert law.doubts(kept) and law.plainer(kept).terms == ("I2",)
+    assert not law.doubts(law.plainer(kept))
 
 
 def test_another_law_is_tried_under_what_is_believed_of_errors_by_then(neo_hookean):

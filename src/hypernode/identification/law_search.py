@@ -18,6 +18,8 @@ FAR_STEPS = 20
 TERMS_TRIED = 2
 #: Terms that contain the thickness, which J leaves open.
 OF_THICKNESS = ("I2", "ogden")
+#: Parameter of fibres that says nothing where they have no strength.
+SHAPE_OF_FIBRES = "logit_dispersion"
 
 
 class LawSearch:
@@ -93,33 +95,45 @@ class LawSearch:
         return best
 
     def plainer(self, kept: Candidate) -> Candidate:
-        """The law without the terms that paid last, as long as they gain less than evidence asks for.
+        """The law without the terms that data tell least, as long as they gain less than evidence asks for.
 
-        On coarse elements a term may pay for what elements miss, and so may a volume that changes. What lines would
-        make of another law is not known to first order, so that a descent decides.
+        On coarse elements a term may pay for what elements miss, and so may a volume that changes. Fibres that small
+        steps brought may be of another law. What lines would make of another law is not known to first order, so that
+        a descent decides.
         """
         trials = self._trials
-        while kept.terms and not (kept.terms[-1] == "J" and "J" in trials.settings.terms):
-            found = self._of_terms(kept, kept.terms[:-1], f"without {kept.terms[-1]}", move_lines=True)
+        while told := self._told(kept):
+            term = min(told, key=told.get)
+            found = self._of_terms(kept, _without(kept.terms, term), f"without {term}", move_lines=True)
             if found is None:
                 break
             gain = found.gain_over(kept)
             if gain <= -EVIDENCE or kept.halves(found):
                 why = f"scores {-gain:+.1f} against" if gain <= -EVIDENCE else "leaves twice the squares of"
-                trials.passed_over(found, f"{why} the law with {kept.terms[-1]}")
+                trials.passed_over(found, f"{why} the law with {term}")
                 break
-            trials.passed_over(kept, f"scores {gain:+.1f} against the law without {kept.terms[-1]}")
+            trials.passed_over(kept, f"scores {gain:+.1f} against the law without {term}")
             kept = found
         return kept
 
     def doubts(self, kept: Candidate) -> bool:
-        """Whether data hardly tell the term that paid last from none (Wald's test)."""
-        if not kept.terms:
-            return False
-        names, plain = kept.problem.basis.names, self._trials.with_terms(kept, kept.terms[:-1]).basis.names
-        own = np.flatnonzero(np.tile([name not in plain for name in names], kept.fit.field.count))
-        values, covariance = kept.fit.field.materials.ravel()[own], kept.fit.covariance[np.ix_(own, own)]
-        return bool(values @ np.linalg.solve(covariance, values) < APART**2)
+        """Whether data hardly tell some term from none."""
+        return min(self._told(kept).values(), default=np.inf) < APART**2
+
+    def _told(self, kept: Candidate) -> dict[str, float]:
+        """Square of the standard deviations between each term and none (Wald's test).
+
+        A volume that changes is asked for last: it says what all other terms mean.
+        """
+        told, names, fit = {}, kept.problem.basis.names, kept.fit
+        for term in kept.terms:
+            plain = self._trials.with_terms(kept, _without(kept.terms, term)).basis.names
+            own = [name not in (*plain, SHAPE_OF_FIBRES) for name in names]
+            own = np.flatnonzero(np.tile(own, fit.field.count))
+            values, covariance = fit.field.materials.ravel()[own], fit.covariance[np.ix_(own, own)]
+            told[term] = float(values @ np.linalg.solve(covariance, values))
+        others = {term: squared for term, squared in told.items() if term != "J"}
+        return others or ({} if "J" in self._trials.settings.terms else told)
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""
@@ -153,6 +167,11 @@ class LawSearch:
         return self._trials.descend(
             f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
         )
+
+
+def _without(terms: Sequence[str], term: str) -> tuple[str, ...]:
+    """Terms without one of them, and without those that say more of it."""
+    return tuple(other for other in terms if other != term and BELONGS.get(other) != term)
 
 
 def open_terms(kept: Sequence[str], settings: Constrained) -> tuple[str, ...]:

@@ -12,8 +12,8 @@ from hypernode.identification.coats import Pieces
 from hypernode.identification.laminates import Jumps, LaminateStress, laminate
 from hypernode.identification.points import Points
 
-#: Newton steps to equilibrium at most.
-STEPS = 12
+#: Newton steps to equilibrium at most, halves of them included.
+STEPS = 20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,22 +171,32 @@ class Sheet:
         return {"by_first": by_first, "by_second": by_second, "by_normal": by_normal, **by_number}
 
     def equilibrium(self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float):
-        """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none."""
-        u, jumps = guess.copy(), None
+        """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none.
+
+        A step that leaves more than there was is halved: a compliant cell beside a stiff one would turn inside out.
+        """
+        u, jumps, left, step = guess.copy(), None, np.inf, None
         fixed = np.setdiff1d(np.arange(u.size), free)
         for _ in range(STEPS):
-            force, K, jumps = self._response(u, of, jumps)
-            size = np.linalg.norm(force[free]) / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
-            if not np.isfinite(size):
-                return None
+            force, K, reached = self._response(u, of, jumps)
+            size = np.linalg.norm(force[free])
+            if not size < left:
+                if step is None:
+                    return None
+                step = 0.5 * step
+                u = u + step
+                continue
+            jumps, left = reached, size
+            size = size / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
             if size <= tolerance:
                 return u, force, K
             step = np.zeros(u.size)
             step[free] = factorise(K[free][:, free]).solve(force[free])
-            u = u - step.reshape(u.shape)
+            step = step.reshape(u.shape)
+            u = u - step
             # A step leaves about the square of a small residual.
             if size**2 <= tolerance:
-                return u, force - K @ step, K
+                return u, force - K @ step.ravel(), K
         return None
 
 
