@@ -20,6 +20,7 @@ from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
+from hypernode.identification.law_search import LawSearch
 from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
@@ -38,12 +39,17 @@ ROUNDS = 2
 class Search:
     """The search on one test.
 
+    Args:
+        coarse: whether the grid is coarser than the measured one, whose elements are the finer ones.
+
     Attributes:
         keeps_volume: of :class:`~hypernode.identification.volume.Parts`.
     """
 
-    def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
-        self.keeps_volume = False
+    def __init__(
+        self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy, *, coarse: bool = False
+    ):
+        self.keeps_volume, self._coarse = False, coarse
         self._trials = Trials(measurement, settings, name, strategy)
         self._finds = information_of(measurement) is None and window_sought(measurement)
 
@@ -71,11 +77,7 @@ class Search:
                 alone = moves.of_one(alone)
                 return alone, alone
             beside = parting.in_cells(parting.beside(one))
-            # Displacements of finite elements on the grid leave nothing between whole cells. Noise hides that, and so
-            # does a window.
-            hidden = problem.noisy or problem.observations.window > 0.0
-            mosaic = None if hidden else MosaicSearch(trials, moves.steps).end(one, beside)
-            if mosaic is not None and not mosaic.leaves_more_than_noise:
+            if mosaic := self._mosaic(one, beside):
                 return mosaic, mosaic
             kept = self._parted(one, beside, parting)
         if kept is None:
@@ -92,6 +94,8 @@ class Search:
         kept, self.keeps_volume = volume.kept, volume.far
         if kept is not before and kept.leaves_mostly_no_noise and (again := self._again_with_volume(kept)):
             return again
+        if self._coarse:
+            return kept, kept
         kept, finer = with_bent_edges(trials, *moves.finer_and_plainer(kept), moves.steps, moves.finds_window)
         finer = moves.merged(finer)
         if volume.open and finer is not kept:
@@ -112,6 +116,17 @@ class Search:
             return gradual, gradual
         return self._parted_again(kept, finer, parting, {one, asked} if asked.leaves_mostly_no_noise else {one})
 
+    def _mosaic(self, one: Candidate, beside: Beside) -> Candidate | None:
+        """Whole cells of a few materials, where these leave nothing; None where they leave more.
+
+        Displacements of finite elements on the grid leave nothing between whole cells. Noise hides that, and so do a
+        window and coarser cells.
+        """
+        if self._coarse or one.problem.noisy or one.problem.observations.window > 0.0:
+            return None
+        mosaic = MosaicSearch(self._trials, self._moves.steps).end(one, beside)
+        return None if mosaic is None or mosaic.leaves_more_than_noise else mosaic
+
     def _again_with_volume(self, kept: Candidate) -> tuple[Candidate, Candidate] | None:
         """Materials sought from nothing with a law that says otherwise of the volume; None where they leave more.
 
@@ -120,7 +135,8 @@ class Search:
         """
         trials = self._trials
         say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
-        search = Search(trials.measurement, with_area(trials.settings), trials.name, trials.strategy)
+        settings = with_area(trials.settings)
+        search = Search(trials.measurement, settings, trials.name, trials.strategy, coarse=self._coarse)
         found = search.found()
         if found is None or found[1].fit.misfit > kept.fit.misfit:
             trials.after(search._trials)
@@ -161,13 +177,16 @@ class Search:
         trials = self._trials
         coarse = coarsened(trials.measurement)
         say("constrained", trials.name, f"{coarse.sizes['cell']} cells of every second grid line first")
-        search = Search(coarse, trials.settings, trials.name, trials.strategy)
+        search = Search(coarse, trials.settings, trials.name, trials.strategy, coarse=True)
         found, self.keeps_volume = search.found(), search.keeps_volume
         if found is None:
             return None
         trials.after(search._trials)
         fine = on_measured_grid(trials, found[1], self._moves.steps, self._finds)
-        return None if fine is None else (fine, fine)
+        if fine is None:
+            return None
+        fine = self._moves.merged(LawSearch(trials, self._moves.steps, self._finds).plainer(fine))
+        return fine, fine
 
     def _answer(self, kept: Candidate) -> InterfaceEstimate | None:
         if isinstance(kept.fit.field, Mosaic):

@@ -95,15 +95,14 @@ class LawSearch:
         return best
 
     def plainer(self, kept: Candidate) -> Candidate:
-        """The law without the terms that data tell least, as long as they gain less than evidence asks for.
+        """The law without terms that data hardly tell from none, as long as they gain less than evidence asks for.
 
         On coarse elements a term may pay for what elements miss, and so may a volume that changes. Fibres that small
         steps brought may be of another law. What lines would make of another law is not known to first order, so that
         a descent decides.
         """
         trials = self._trials
-        while told := self._told(kept):
-            term = min(told, key=told.get)
+        while term := self._hardly_told(kept):
             found = self._of_terms(kept, _without(kept.terms, term), f"without {term}", move_lines=True)
             if found is None:
                 break
@@ -116,24 +115,22 @@ class LawSearch:
             kept = found
         return kept
 
-    def doubts(self, kept: Candidate) -> bool:
-        """Whether data hardly tell some term from none."""
-        return min(self._told(kept).values(), default=np.inf) < APART**2
+    def _hardly_told(self, kept: Candidate) -> str | None:
+        """The term that data tell least, if they hardly tell it from none (Wald's test).
 
-    def _told(self, kept: Candidate) -> dict[str, float]:
-        """Square of the standard deviations between each term and none (Wald's test).
-
-        A volume that changes is asked for last: it says what all other terms mean.
+        A volume that changes is asked for last: it says what all other terms mean, and no number of it is none.
         """
-        told, names, fit = {}, kept.problem.basis.names, kept.fit
-        for term in kept.terms:
+        if kept.terms == ("J",) and "J" not in self._trials.settings.terms:
+            return "J"
+        names, fit, squared = kept.problem.basis.names, kept.fit, {}
+        for term in (term for term in kept.terms if term != "J"):
             plain = self._trials.with_terms(kept, _without(kept.terms, term)).basis.names
             own = [name not in (*plain, SHAPE_OF_FIBRES) for name in names]
             own = np.flatnonzero(np.tile(own, fit.field.count))
             values, covariance = fit.field.materials.ravel()[own], fit.covariance[np.ix_(own, own)]
-            told[term] = float(values @ np.linalg.solve(covariance, values))
-        others = {term: squared for term, squared in told.items() if term != "J"}
-        return others or ({} if "J" in self._trials.settings.terms else told)
+            squared[term] = values @ np.linalg.solve(covariance, values)
+        least = min(squared, key=squared.get, default=None)
+        return least if least and squared[least] < APART**2 else None
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""

@@ -70,9 +70,9 @@ class Moves:
     def finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
         """(a candidate, the same on finer elements), without terms that paid for what coarse elements miss."""
         finer = self.finer(kept)
-        law = LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1)
-        if finer is kept or not (kept.misses_deformation or law.doubts(finer)):
+        if finer is kept:
             return kept, finer
+        law = LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1)
         plainer = law.plainer(finer)
         if plainer is not finer:
             kept = law.with_law_of(kept, plainer) or kept
