@@ -72,12 +72,14 @@ def test_a_gradual_change_begins_with_the_fibres_of_most_cells_where_cells_have_
 def test_two_cuts_that_no_line_joins_are_both_tried_and_the_likelier_one_is_kept(strip, differs, score, monkeypatch):
     mesh = rectilinear(np.arange(9.0), np.arange(7.0))
     column = np.round(mesh.centres[:, 0] - 0.5)
-    cuts = {False: (column >= 8 - strip).astype(int), True: np.zeros(len(column), int)}
+    cuts = [(column >= 8 - strip).astype(int), np.zeros(len(column), int)]
+    materials = np.array([[0.0], [1.0]])
     known = SimpleNamespace(lines=SimpleNamespace(grid=SimpleNamespace(mesh=mesh)))
-    beside = SimpleNamespace(known=known, parts=lambda count, squared=False: (cuts[squared], None))
-    passed, tried = [], {False: candidate(1.0, score=0.0), True: candidate(1.0, score=score)}
+    cuts = [("", cuts[0], materials), (", otherwise", cuts[1], materials)]
+    beside = SimpleNamespace(known=known, columns=[0], cuts=lambda count: cuts)
+    passed, tried = [], [candidate(1.0, score=0.0), candidate(1.0, score=score)]
     search = Parting(SimpleNamespace(passed_over=lambda each, why: passed.append(each)), [0], False)
-    monkeypatch.setattr(search, "cut", lambda begun, beside, count, squared=False: tried[squared])
+    monkeypatch.setattr(search, "_of_parts", lambda begun, beside, move, *parts: tried["otherwise" in move])
     better = differs and score < 0.0
     assert search._likelier_cut(None, beside, 2) is tried[better]
     assert passed == ([tried[not better]] if differs else [])

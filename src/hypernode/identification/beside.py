@@ -47,6 +47,30 @@ class Beside(NamedTuple):
         numbers = self._of_materials[self.known.labels()] + self.found.values
         return parts(numbers, count, self.known, self.columns, self._of_materials, squared)
 
+    def cuts(self, count: int) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        """(how, part of every cell, material of every part) by each rule that gives so many parts.
+
+        Beside two parts stand those that three levels make, the middle one with either of the others. A penalty on
+        jumps leaves a gentle slope around what is stiff, which a cut in two may take for a part of it.
+        """
+        found = [("", *self.parts(count)), (", cut by squares", *self.parts(count, squared=True))]
+        if count == 2 and len(self.columns) == 1:
+            found += self._of_three()
+        return [each for each in found if len(each[2]) == count]
+
+    def _of_three(self) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        """Two parts of three levels, as in :meth:`cuts`."""
+        labels, materials = self.parts(3)
+        if len(materials) < 3:
+            return []
+        soft, _, stiff = np.argsort(materials[:, self.columns[0]], kind="stable")
+        found = []
+        for alone, words in ((stiff, "the stiffest of three levels"), (soft, "the softest of three levels")):
+            apart, larger = labels == alone, min(set(range(3)) - {alone})
+            order = [larger, alone] if 2 * apart.sum() <= len(labels) else [alone, larger]
+            found.append((f", {words}", (apart == (order[1] == alone)).astype(int), materials[order]))
+        return found
+
     def towards(self, way: float) -> Int[np.ndarray, " cell"]:
         """The material towards which the numbers of every cell go at least so far of the way; else its own.
 

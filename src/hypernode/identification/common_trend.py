@@ -26,7 +26,7 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     """
     trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
-    for begun in (kept, parting.cut(one, beside, 2, squared=True)):
+    for begun in (kept, parting.by_squares(one, beside, 2)):
         if begun is None or begun.level > NOT_MADE_OF_FEW * kept.level:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))

@@ -142,8 +142,8 @@ class Parting:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
                 if kept is not begun:
                     break
-            # Numbers of every cell leave what more materials might explain.
-            if not kept.leaves_more_than_noise or kept.fit.misfit <= beside.found.misfit:
+            # A material too many is not kept: two of which data tell little are tried as one.
+            if not kept.leaves_more_than_noise:
                 break
         if first:
             kept = self._gradual(begun, beside, kept)
@@ -164,31 +164,36 @@ class Parting:
         return "leaves twice the squares of" if halves else ""
 
     def _likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
-        """So many materials from the likelier of two cuts, where these differ by more than lines may move."""
-        found, mesh = self.cut(begun, beside, count), beside.known.lines.grid.mesh
-        if not _differ_inside(mesh, *(beside.parts(count, squared=squared)[0] for squared in (False, True))):
-            return found
-        other = self.cut(begun, beside, count, squared=True)
-        if found is None or other is None:
-            return found or other
-        gain = other.gain_over(found)
-        better, worse = (other, found) if gain > 0.0 else (found, other)
-        self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
-        return better
+        """So many materials from the likeliest of several cuts, where these differ by more than lines may move."""
+        best, tried, mesh = None, [], beside.known.lines.grid.mesh
+        for how, labels, materials in beside.cuts(count):
+            # Parts are numbered by their size, which says nothing of which is which.
+            ordered = np.argsort(np.argsort(materials[:, beside.columns[0]], kind="stable"))[labels]
+            if not all(_differ_inside(mesh, ordered, other) for other in tried):
+                continue
+            tried.append(ordered)
+            found = self._of_parts(begun, beside, f"{count} materials and lines{how}", labels, materials)
+            if found is None or best is None:
+                best = best or found
+                continue
+            gain = found.gain_over(best)
+            better, worse = (found, best) if gain > 0.0 else (best, found)
+            self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
+            best = better
+        return best
 
-    def cut(self, begun: Candidate, beside: Beside, count: int, squared: bool = False) -> Candidate | None:
-        """So many materials, with lines where numbers of every cell are cut; None where these give fewer.
-
-        Args:
-            squared: of :func:`~hypernode.identification.partition.levels`.
-        """
-        labels, materials = beside.parts(count, squared=squared)
+    def by_squares(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
+        """So many materials, cut by squares; None where these give fewer."""
+        labels, materials = beside.parts(count, squared=True)
         if len(materials) < count:
             return None
+        return self._of_parts(begun, beside, f"{count} materials and lines, cut by squares", labels, materials)
+
+    def _of_parts(self, begun: Candidate, beside: Beside, move: str, labels, materials) -> Candidate | None:
+        """Materials with lines where numbers of every cell are cut; None without equilibrium."""
         field = Interfaces.around(beside.known.lines, materials, labels)
         window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
-        finds, move = self.finds_window, f"{count} materials and lines" + ", cut by squares" * squared
-        u, steps = beside.reached, self.steps
+        finds, u, steps = self.finds_window, beside.reached, self.steps
         return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
 
     def _gradual(self, begun: Candidate, beside: Beside, kept: Candidate) -> Candidate:
