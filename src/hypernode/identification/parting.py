@@ -142,8 +142,8 @@ class Parting:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
                 if kept is not begun:
                     break
-            # A material too many is not kept: two of which data tell little are tried as one.
-            if not kept.leaves_more_than_noise:
+            # Numbers of every cell leave what more materials might explain.
+            if not kept.leaves_more_than_noise or kept.fit.misfit <= beside.found.misfit:
                 break
         if first:
             kept = self._gradual(begun, beside, kept)
