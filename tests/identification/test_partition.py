@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernode.fem.mesh import rectilinear
-from hypernode.identification.partition import centres, levels, without_small
+from hypernode.identification.partition import centres, differ_inside, levels, without_small
 
 
 @pytest.mark.parametrize("squared", [False, True])
@@ -47,3 +47,10 @@ def test_cells_of_two_numbers_are_parted_where_either_differs():
     found = centres(true[label] + random.normal(0.0, 0.02, (100, 2)), 3)
     distance = np.linalg.norm(true[:, None] - found, axis=2)
     assert sorted(distance.argmin(axis=1)) == [0, 1, 2] and distance.min(axis=1).max() < 0.02
+
+
+@pytest.mark.parametrize(("strip", "differs"), [(0, False), (1, False), (2, True), (3, True)])
+def test_two_cuts_differ_where_no_line_that_moves_leads_from_one_to_the_other(strip, differs):
+    mesh = rectilinear(np.arange(9.0), np.arange(7.0))
+    column = np.round(mesh.centres[:, 0] - 0.5)
+    assert differ_inside(mesh, (column >= 8 - strip).astype(int), np.zeros(len(column), int)) == differs

@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import stiffness_of
-from hypernode.identification.partition import parts
+from hypernode.identification.partition import differ_inside, parts
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.stiffness import ByCell, CellDescent
 
@@ -51,25 +51,37 @@ class Beside(NamedTuple):
         """(how, part of every cell, material of every part) by each rule that gives so many parts.
 
         Beside two parts stand those that three levels make, the middle one with either of the others. A penalty on
-        jumps leaves a gentle slope around what is stiff, which a cut in two may take for a part of it.
+        jumps leaves a gentle slope around what is stiff, which a cut in two may take for a part of it. A cut that lines
+        of one before may become is left out.
         """
-        found = [("", *self.parts(count)), (", cut by squares", *self.parts(count, squared=True))]
+        every = [("", *self.parts(count)), (", cut by squares", *self.parts(count, squared=True))]
         if count == 2 and len(self.columns) == 1:
-            found += self._of_three()
-        return [each for each in found if len(each[2]) == count]
+            every += self._of_three()
+        found, seen, mesh = [], [], self.known.lines.grid.mesh
+        for how, labels, materials in every:
+            # Parts are numbered by their size, which says nothing of which is which.
+            ordered = np.argsort(self._softest_first(materials))[labels]
+            if len(materials) == count and all(differ_inside(mesh, ordered, other) for other in seen):
+                found.append((how, labels, materials))
+                seen.append(ordered)
+        return found
 
     def _of_three(self) -> list[tuple[str, np.ndarray, np.ndarray]]:
         """Two parts of three levels, as in :meth:`cuts`."""
         labels, materials = self.parts(3)
         if len(materials) < 3:
             return []
-        soft, _, stiff = np.argsort(materials[:, self.columns[0]], kind="stable")
+        soft, _, stiff = self._softest_first(materials)
         found = []
-        for alone, words in ((stiff, "the stiffest of three levels"), (soft, "the softest of three levels")):
+        for alone, how in ((stiff, "the stiffest of three levels"), (soft, "the softest of three levels")):
             apart, larger = labels == alone, min(set(range(3)) - {alone})
             order = [larger, alone] if 2 * apart.sum() <= len(labels) else [alone, larger]
-            found.append((f", {words}", (apart == (order[1] == alone)).astype(int), materials[order]))
+            found.append((f", {how}", (apart == (order[1] == alone)).astype(int), materials[order]))
         return found
+
+    def _softest_first(self, materials: Float[np.ndarray, "material parameter"]) -> Int[np.ndarray, " material"]:
+        """Numbers of materials in the order of their stiffness."""
+        return np.argsort(stiffness_of(self.problem, materials), kind="stable")
 
     def towards(self, way: float) -> Int[np.ndarray, " cell"]:
         """The material towards which the numbers of every cell go at least so far of the way; else its own.

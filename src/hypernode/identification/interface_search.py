@@ -20,7 +20,6 @@ from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
-from hypernode.identification.law_search import LawSearch
 from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
@@ -185,7 +184,7 @@ class Search:
         fine = on_measured_grid(trials, found[1], self._moves.steps, self._finds)
         if fine is None:
             return None
-        fine = self._moves.merged(LawSearch(trials, self._moves.steps, self._finds).plainer(fine))
+        fine = self._moves.merged(self._moves.plainer(fine))
         return fine, fine
 
     def _answer(self, kept: Candidate) -> InterfaceEstimate | None:

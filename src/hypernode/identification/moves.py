@@ -70,13 +70,14 @@ class Moves:
     def finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
         """(a candidate, the same on finer elements), without terms that paid for what coarse elements miss."""
         finer = self.finer(kept)
-        if finer is kept:
-            return kept, finer
-        law = LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1)
-        plainer = law.plainer(finer)
+        plainer = finer if finer is kept else self.plainer(finer)
         if plainer is not finer:
-            kept = law.with_law_of(kept, plainer) or kept
+            kept = LawSearch(self.trials, self.steps, False).with_law_of(kept, plainer) or kept
         return kept, plainer
+
+    def plainer(self, finer: Candidate) -> Candidate:
+        """The same without terms that data hardly tell from none."""
+        return LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1).plainer(finer)
 
     def law_on_finer_elements(self, kept: Candidate) -> tuple[Candidate, Candidate] | None:
         """(a candidate with a law sought on finer elements, the same there); None where that leaves more than noise.

@@ -6,9 +6,7 @@ explains more of the test than its numbers cost. One material that changes gradu
 """
 
 import numpy as np
-from jaxtyping import Int
 
-from hypernode.fem.mesh import Mesh
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces
@@ -165,13 +163,8 @@ class Parting:
 
     def _likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
         """So many materials from the likeliest of several cuts, where these differ by more than lines may move."""
-        best, tried, mesh = None, [], beside.known.lines.grid.mesh
+        best = None
         for how, labels, materials in beside.cuts(count):
-            # Parts are numbered by their size, which says nothing of which is which.
-            ordered = np.argsort(np.argsort(materials[:, beside.columns[0]], kind="stable"))[labels]
-            if not all(_differ_inside(mesh, ordered, other) for other in tried):
-                continue
-            tried.append(ordered)
             found = self._of_parts(begun, beside, f"{count} materials and lines{how}", labels, materials)
             if found is None or best is None:
                 best = best or found
@@ -213,12 +206,3 @@ class Parting:
             return best
         trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
         return kept
-
-
-def _differ_inside(mesh: Mesh, one: Int[np.ndarray, " cell"], other: Int[np.ndarray, " cell"]) -> bool:
-    """Whether two cuts differ in a cell and in all that touch it, so that no line that moves leads to the other."""
-    differs, pairs = one != other, mesh.touching()
-    alike_beside = np.zeros(len(one), bool)
-    for here, there in (pairs.T, pairs.T[::-1]):
-        alike_beside[here[~differs[there]]] = True
-    return bool((differs & ~alike_beside).any())

@@ -92,6 +92,15 @@ def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FE
     return labels
 
 
+def differ_inside(mesh: Mesh, one: Int[np.ndarray, " cell"], other: Int[np.ndarray, " cell"]) -> bool:
+    """Whether two cuts differ in a cell and in all that touch it, so that no line that moves leads to the other."""
+    differs, pairs = one != other, mesh.touching()
+    alike_beside = np.zeros(len(one), bool)
+    for here, there in (pairs.T, pairs.T[::-1]):
+        alike_beside[here[~differs[there]]] = True
+    return bool((differs & ~alike_beside).any())
+
+
 def parts(
     numbers: Float[np.ndarray, "cell number"],
     count: int,
