@@ -165,7 +165,7 @@ def cut_sheet():
     test = SeenTest(problem, [1])
     u = problem.equilibrium.extension(np.zeros((len(problem.mesh.cells), 2)))
     states, moves = test.states(field, [u[1]]), field.moves(1.3)
-    return test, field, states, moves, test.answers(states, test.loads(field, states, moves), problem.sigma)
+    return test, field, states, moves, list(test.answers(states, test.loads(field, states, moves), problem.sigma))
 
 
 def test_the_jacobian_is_the_derivative_of_the_equilibrium(cut_sheet):

@@ -52,14 +52,17 @@ def test_noise_that_a_stranger_may_have_moves_no_cell():
 
 
 @pytest.mark.slow
-def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same():
-    data, grid, true = sheet(16, square, LOAD, terms=())
+@pytest.mark.parametrize(
+    "noise, move, error", [(0.0, "cells of 2 materials", 1e-3), (1e-4, "on the measured grid", 0.02)]
+)
+def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same(noise, move, error):
+    data, grid, true = sheet(16, square, LOAD, noise=noise, terms=())
     strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
     found = of_parts(data, SETTINGS, "square", strategy).found
     inside = square(grid.centres)
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
-    assert stress_error(found, true) < 1e-3
-    assert "on the measured grid" in [row["move"] for row in found.trace.rows(found.trial)]
+    assert stress_error(found, true) < error
+    assert move in [row["move"] for row in found.trace.rows(found.trial)]
 
 
 def test_cells_that_were_given_the_wrong_material_change_it_at_once():

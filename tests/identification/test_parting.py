@@ -72,5 +72,5 @@ def test_of_several_cuts_the_likeliest_is_kept(score, monkeypatch):
     passed, tried = [], [candidate(1.0, score=0.0), candidate(1.0, score=score)]
     search = Parting(SimpleNamespace(passed_over=lambda each, why: passed.append(each)), [0], False)
     monkeypatch.setattr(search, "_of_parts", lambda begun, beside, move, *parts: tried["otherwise" in move])
-    assert search._likelier_cut(None, beside, 2) is tried[score < 0.0]
+    assert search.likelier_cut(None, beside, 2) is tried[score < 0.0]
     assert passed == [tried[score >= 0.0]]

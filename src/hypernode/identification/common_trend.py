@@ -16,8 +16,8 @@ from hypernode.identification.trend import trend
 def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Candidate) -> Candidate:
     """A candidate of several materials, or one with a common factor if that halves the squares that were left.
 
-    What changes gradually may have misled the cut as well, or was cut into levels. So two materials of another cut are
-    tried too.
+    What changes gradually may have misled the cut as well, or was cut into levels. So two materials alone are tried
+    too.
 
     Args:
         one: the homogeneous sheet.
@@ -26,7 +26,7 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     """
     trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
-    for begun in (kept, parting.by_squares(one, beside, 2)):
+    for begun in (kept, parting.likelier_cut(one, beside, 2)):
         if begun is None or begun.level > NOT_MADE_OF_FEW * kept.level:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))

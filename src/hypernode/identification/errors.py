@@ -9,7 +9,7 @@ forces by gain and zero of the load cells. Woodbury's identity makes of the inve
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -84,7 +84,7 @@ class SharedErrors:
             through = through + self.loads[k].T @ r[len(self.answers[k].u) :] - self._of_loads[0][k].T @ half
         return total - float(through @ np.linalg.solve(self._of_loads[1], through))
 
-    def normal(self, jacobians: Sequence[np.ndarray], residuals: Sequence[np.ndarray]):
+    def normal(self, jacobians: Iterable[np.ndarray], residuals: Sequence[np.ndarray]):
         """(J^T C^-1 J, J^T C^-1 r)."""
         curvature = gradient = by_loads = through = 0.0
         for k, (J, r) in enumerate(zip(jacobians, residuals, strict=True)):

@@ -138,7 +138,7 @@ class InterfaceFit:
     def _followed(self, field: Interfaces, states, sigma: float) -> Derivatives:
         """Derivatives at a field."""
         moves, test = self.moves(field), self.test
-        answers = test.answers(states, test.loads(field, states, moves), sigma)
+        answers = list(test.answers(states, test.loads(field, states, moves), sigma))
         jacobians = [answer.J for answer in answers]
         if self._finds:
             columns = test.by_window(states, sigma)

@@ -6,6 +6,8 @@ test than its numbers cost. Then come the terms of the law that the materials ha
 all load steps.
 """
 
+import functools
+
 import xarray as xr
 
 from hypernode.config.methods import Constrained
@@ -24,7 +26,7 @@ from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.moves import Moves
-from hypernode.identification.parting import FAR_FROM_NOISE, Parting
+from hypernode.identification.parting import FAR_FROM_NOISE, MOST, Parting
 from hypernode.identification.settings import Strategy
 from hypernode.identification.small_steps import from_smallest
 from hypernode.identification.trials import Trials, largest_and_half
@@ -49,8 +51,11 @@ class Search:
         self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy, *, coarse: bool = False
     ):
         self.keeps_volume, self._coarse = False, coarse
-        self._trials = Trials(measurement, settings, name, strategy)
+        trials = self._trials = Trials(measurement, settings, name, strategy)
         self._finds = information_of(measurement) is None and window_sought(measurement)
+        problem = self._problem = trials.plainest()
+        self._moves = Moves(trials, largest_and_half(problem), self._finds)
+        self._parting = Parting(trials, self._moves.steps, self._moves.finds_window)
 
     def end(self) -> InterfaceEstimate | None:
         """The field of few materials; None where a field of cells may explain more."""
@@ -59,23 +64,19 @@ class Search:
 
     def found(self) -> tuple[Candidate, Candidate] | None:
         """(candidate that few load steps speak for, the same on finer elements); None where cells may explain more."""
-        trials = self._trials
-        problem = trials.plainest()
-        moves = self._moves = Moves(trials, largest_and_half(problem), self._finds)
-        if len(problem.mesh.cells) > trials.strategy.most_cells_at_once:
+        trials, moves, parting = self._trials, self._moves, self._parting
+        if self._many_cells:
             return self._from_coarser_grid()
-        check_forces(lambda *terms: trials.problem(terms), trials.settings, trials.name)
-        one = moves.one_material(problem)
+        kept = one = self._one
         if one is None:
             return None
-        kept, parting = one, Parting(trials, moves.steps, moves.finds_window)
         if one.leaves_more_than_noise:
             # Beside clamps coarse elements miss more than a good camera does, but not far more.
             alone = moves.finer(one) if one.level < FAR_FROM_NOISE else None
             if alone is not None and not alone.leaves_more_than_noise:
                 alone = moves.of_one(alone)
                 return alone, alone
-            beside = parting.in_cells(parting.beside(one))
+            beside = self._beside
             if mosaic := self._mosaic(one, beside):
                 return mosaic, mosaic
             kept = self._parted(one, beside, parting)
@@ -102,7 +103,7 @@ class Search:
         if finer.leaves_mostly_no_noise and finer.fit.field.count > 1:
             common = with_common_trend(parting, one, beside, kept)
             if common is not kept:
-                kept, finer = moves.finer_and_plainer(moves.merged(moves.with_law(common)))
+                kept, finer = moves.with_law_and_finer(common)
         elif len(kept.fit.field.gradual) and (alone := moves.without_change(finer, one)):
             return alone, alone
         if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
@@ -115,16 +116,51 @@ class Search:
             return gradual, gradual
         return self._parted_again(kept, finer, parting, {one, asked} if asked.leaves_mostly_no_noise else {one})
 
-    def _mosaic(self, one: Candidate, beside: Beside) -> Candidate | None:
+    @functools.cached_property
+    def _one(self) -> Candidate | None:
+        """The homogeneous sheet; None without equilibrium.
+
+        Raises:
+            ImpossibleForcesError: no sheet gives the forces.
+        """
+        trials = self._trials
+        check_forces(lambda *terms: trials.problem(terms), trials.settings, trials.name)
+        return self._moves.one_material(self._problem)
+
+    @functools.cached_property
+    def _beside(self) -> Beside | None:
+        """The factor of the stiffness in every cell, or of a coarser grid; None without one material."""
+        if self._many_cells:
+            return self._coarser._beside
+        return None if self._one is None else self._parting.in_cells(self._parting.beside(self._one))
+
+    @property
+    def _many_cells(self) -> bool:
+        return len(self._problem.mesh.cells) > self._trials.strategy.most_cells_at_once
+
+    @functools.cached_property
+    def _coarser(self) -> "Search":
+        """The search on every second line of the grid."""
+        trials = self._trials
+        coarse = coarsened(trials.measurement)
+        say("constrained", trials.name, f"{coarse.sizes['cell']} cells of every second grid line first")
+        return Search(coarse, trials.settings, trials.name, trials.strategy, coarse=True)
+
+    def _mosaic(self, one: Candidate, beside: Beside | None) -> Candidate | None:
         """Whole cells of a few materials, where these leave nothing; None where they leave more.
 
         Displacements of finite elements on the grid leave nothing between whole cells. Noise hides that, and so do a
         window and coarser cells.
         """
-        if self._coarse or one.problem.noisy or one.problem.observations.window > 0.0:
+        if self._coarse or not self._exact or beside is None:
             return None
         mosaic = MosaicSearch(self._trials, self._moves.steps).end(one, beside)
         return None if mosaic is None or mosaic.leaves_more_than_noise else mosaic
+
+    @property
+    def _exact(self) -> bool:
+        """Whether displacements are seen without noise, each at its point."""
+        return not (self._problem.noisy or self._problem.observations.window > 0.0)
 
     def _again_with_volume(self, kept: Candidate) -> tuple[Candidate, Candidate] | None:
         """Materials sought from nothing with a law that says otherwise of the volume; None where they leave more.
@@ -154,12 +190,14 @@ class Search:
             asked: candidates on top of which nothing was found.
         """
         for _ in range(ROUNDS):
+            # Where residuals differ from step to step, as many materials may lie elsewhere.
             open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
-            again = open_ and kept not in asked and not len(kept.fit.field.gradual)
-            more = parting.parted(kept) if again else kept
+            most = MOST if open_ else kept.fit.field.count
+            again = finer.leaves_more_than_noise and kept not in asked and not len(kept.fit.field.gradual)
+            more = parting.parted(kept, most=most) if again else kept
             if more is kept:
                 break
-            kept, finer = self._moves.finer_and_plainer(self._moves.merged(self._moves.with_law(more)))
+            kept, finer = self._moves.with_law_and_finer(more)
         return kept, finer
 
     def _parted(self, one: Candidate, beside: Beside, parting: Parting) -> Candidate | None:
@@ -173,10 +211,11 @@ class Search:
 
     def _from_coarser_grid(self) -> tuple[Candidate, Candidate] | None:
         """What every second line of a grid of many cells tells, on the whole grid."""
-        trials = self._trials
-        coarse = coarsened(trials.measurement)
-        say("constrained", trials.name, f"{coarse.sizes['cell']} cells of every second grid line first")
-        search = Search(coarse, trials.settings, trials.name, trials.strategy, coarse=True)
+        trials, search = self._trials, self._coarser
+        if not self._coarse and self._exact and self._one is not None and self._one.leaves_more_than_noise:
+            if mosaic := self._mosaic(self._one, self._beside):
+                return mosaic, mosaic
+            trials.passed_over(self._one, "a coarser grid is asked first")
         found, self.keeps_volume = search.found(), search.keeps_volume
         if found is None:
             return None

@@ -125,7 +125,7 @@ class Mosaic(Interfaces):
             return None
         sigma = test.sigma_of(states)
         loads = [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in between]
-        answers = [answer.J for answer in test.answers(between, loads, sigma)]
+        answers = (answer.J for answer in test.answers(between, loads, sigma))
         curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
         count = len(options.cell)
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from hypernode.fem.transfer import transfer
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.law_search import LawSearch
@@ -34,19 +35,20 @@ class MosaicSearch:
 
         Args:
             begun: the candidate that leaves what a factor in every cell explains.
-            beside: that factor, on top of its materials.
+            beside: that factor, on top of its materials, on the same grid or a coarser one.
         """
         trials, problem, kept = self._trials, begun.problem, None
-        known, u = beside.known, beside.u
+        known, lines = beside.known, begun.fit.field.lines
         if beside.found is None:
             return None
+        to_grid = transfer(known.lines.grid.mesh, lines.grid.mesh).cells
         for count in range(known.count + (known.count == 1), MOST + 1):
             labels, materials = beside.parts(count)
             if len(materials) < count:
                 break
-            field = Mosaic.of(known.lines, materials, labels)
+            field = Mosaic.of(lines, materials, labels[to_grid])
             move = f"cells of {count} materials"
-            found = trials.descend(move, begun, problem, field, u, self._steps, FAR, begun.fit.window)
+            found = trials.descend(move, begun, problem, field, begun.u, self._steps, FAR, begun.fit.window)
             if found is None:
                 continue
             if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):

@@ -75,6 +75,11 @@ class Moves:
             kept = LawSearch(self.trials, self.steps, False).with_law_of(kept, plainer) or kept
         return kept, plainer
 
+    def with_law_and_finer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
+        """(a candidate with the terms that pay, the same on finer elements), two materials as one where hardly told."""
+        kept, finer = self.finer_and_plainer(self.merged(self.with_law(kept)))
+        return kept, self.merged(finer)
+
     def plainer(self, finer: Candidate) -> Candidate:
         """The same without terms that data hardly tell from none."""
         return LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1).plainer(finer)

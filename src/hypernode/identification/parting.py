@@ -113,12 +113,13 @@ class Parting:
         left = "no equilibrium" if beside.found is None else f"missed by {beside.found.misfit:.3g}"
         say("constrained", self.trials.name, f"{words} in {where}: {left}")
 
-    def parted(self, begun: Candidate, beside: Beside | None = None) -> Candidate | None:
+    def parted(self, begun: Candidate, beside: Beside | None = None, most: int = MOST) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
 
         Args:
             begun: with a law.
             beside: of :meth:`beside`, where that is known.
+            most: materials at most.
         """
         trials, first = self.trials, begun.fit.field.count == 1
         beside = beside or self.in_cells(self.beside(begun))
@@ -126,10 +127,10 @@ class Parting:
             return None if first else begun
         kept = begun
         # On top of another law, as many materials may lie elsewhere.
-        for count in range(beside.known.count + first, MOST + 1):
+        for count in range(beside.known.count + first, most + 1):
             if len(beside.parts(count)[1]) < count:
                 break
-            found = self._likelier_cut(begun, beside, count)
+            found = self.likelier_cut(begun, beside, count)
             if found is None:
                 continue
             gain = found.gain_over(kept)
@@ -161,7 +162,7 @@ class Parting:
         halves = (self._small or kept.fit.field.count > 1) and found.halves(kept)
         return "leaves twice the squares of" if halves else ""
 
-    def _likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
+    def likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
         """So many materials from the likeliest of several cuts, where these differ by more than lines may move."""
         best = None
         for how, labels, materials in beside.cuts(count):
@@ -174,13 +175,6 @@ class Parting:
             self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
             best = better
         return best
-
-    def by_squares(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
-        """So many materials, cut by squares; None where these give fewer."""
-        labels, materials = beside.parts(count, squared=True)
-        if len(materials) < count:
-            return None
-        return self._of_parts(begun, beside, f"{count} materials and lines, cut by squares", labels, materials)
 
     def _of_parts(self, begun: Candidate, beside: Beside, move: str, labels, materials) -> Candidate | None:
         """Materials with lines where numbers of every cell are cut; None without equilibrium."""

@@ -1,6 +1,6 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -184,9 +184,8 @@ class SeenTest:
 
     # Derivatives.
 
-    def answers(self, states, loads, sigma: float) -> list[Answer]:
-        """How every step answers to numbers whose load on the nodes is given."""
-        found = []
+    def answers(self, states, loads, sigma: float) -> Iterator[Answer]:
+        """How one step after the other answers to numbers whose load on the nodes is given."""
         for ((_, _, K), boundary, observe, forces), load in zip(self._of_steps(states), loads, strict=True):
             # Numbers that load nothing, as distances beside no cut cell, change nothing.
             some, free = np.flatnonzero(np.diff(load.tocsc().indptr)), boundary.free
@@ -196,8 +195,7 @@ class SeenTest:
             J[: observe.shape[0], some] = (observe[:, free] / sigma) @ du
             for row, f in zip(J[observe.shape[0] :], forces, strict=True):
                 row[some] = (load.T @ f.direction + (K @ f.direction)[free] @ du) / f.sigma
-            found.append(Answer(J, du, some, free))
-        return found
+            yield Answer(J, du, some, free)
 
     def loads(self, field: Interfaces, states, moves) -> list[scipy.sparse.csr_matrix]:
         """Derivative of the nodal forces by the numbers of a field, by step."""
