@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from hypernode.identification.points import BLOCK, Points
+from hypernode.fem.blocks import BLOCK
+from hypernode.identification.points import Points
 from hypernode.mechanics.convex_basis import ConvexBasis
 
 LAW = ConvexBasis(("fibre",), 0.4)

@@ -16,6 +16,7 @@ from jaxtyping import Array, ArrayLike, Float, Int
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
+from hypernode.fem.blocks import in_blocks
 from hypernode.fem.mesh import Mesh
 
 #: Slope that distances count as having at least. True ones have a slope of one, but where two lines meet.
@@ -56,8 +57,8 @@ def _in_sheet(corners: Float[ArrayLike, " 4"], sides: Float[ArrayLike, " 2"]) ->
     return jnp.concatenate([found[:1], normal / jnp.sqrt(normal @ normal)])
 
 
-#: Of many cells at once.
-_CUT, _SLOPE = jax.jit(jax.vmap(_in_sheet)), jax.jit(jax.vmap(jax.jacrev(_in_sheet)))
+#: Of many cells at once, the last axis of what is given and found.
+_CUT, _SLOPE = (jax.jit(jax.vmap(each, -1, -1)) for each in (_in_sheet, jax.jacrev(_in_sheet)))
 
 
 class ContourLines:
@@ -74,7 +75,6 @@ class ContourLines:
         self._place = np.divmod(mesh.places, self._shape[1])
         corners = mesh.nodes[mesh.cells]
         self._sides = np.ptp(corners, axis=1)
-        self._cut, self._slope = _CUT, _SLOPE
 
     def through(self, share: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " node"]:
         """Distance from a line that leaves about these shares of the cells on its positive side."""
@@ -85,8 +85,8 @@ class ContourLines:
 
     def cells(self, distance: Float[np.ndarray, " node"]):
         """(share of every cell where the distance is positive (cell,), unit normal towards there (cell, 2))."""
-        found = np.asarray(self._cut(jnp.asarray(distance[self.mesh.cells]), self._sides))
-        return found[:, 0], found[:, 1:]
+        (found,) = in_blocks(lambda *given: (_CUT(*given),), distance[self.mesh.cells].T, self._sides.T)
+        return found[0], found[1:].T
 
     def slopes(self, distance: Float[np.ndarray, " node"], some: Int[np.ndarray, " some"]):
         """Derivatives of share and normal of :meth:`cells` by the distances at the corners (some, 4), (some, 2, 4).
@@ -94,12 +94,10 @@ class ContourLines:
         Args:
             some: numbers of cells.
         """
-        # As many at once as there are cells, or twice: what is compiled serves any number. Two lines may cut a cell.
-        cells = len(self.mesh.cells)
-        count = cells * max(-(-len(some) // cells), 1)
-        padded = np.resize(some, count) if len(some) else np.zeros(count, int)
-        found = np.asarray(self._slope(jnp.asarray(distance[self.mesh.cells[padded]]), self._sides[padded]))
-        return found[: len(some), 0], found[: len(some), 1:]
+        given = distance[self.mesh.cells[some]].T, self._sides[some].T
+        (found,) = in_blocks(lambda *given: (_SLOPE(*given),), *given)
+        found = np.moveaxis(found, -1, 0)
+        return found[:, 0], found[:, 1:]
 
     def distance(self, values: Float[np.ndarray, " node"], fewest: int = 1) -> Float[np.ndarray, " node"]:
         """Signed distance from the zero line of ``values``; that across the grid where there is none.

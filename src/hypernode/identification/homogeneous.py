@@ -1,11 +1,7 @@
 """The homogeneous start of a descent, and the misfit of the forces with one material of the basis."""
 
-import functools
 from dataclasses import dataclass
-from functools import partial
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
@@ -13,6 +9,7 @@ from scipy.optimize import least_squares
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.equilibrium import FieldEquilibrium
 from hypernode.identification.observations import Observations
+from hypernode.identification.points import Points
 from hypernode.identification.settings import Strategy
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 
@@ -36,16 +33,6 @@ class Homogeneous:
     force_misfit: Float[np.ndarray, " case"]
 
 
-@functools.cache
-def _compiled(basis: ConvexBasis):
-    """(misfit of mean stresses over their scale, its derivative by the parameters); data are arguments of both."""
-
-    def relative(params, target, mean_F, scale):
-        return (basis.stress(mean_F, params[:, None]) - target) / scale
-
-    return jax.jit(relative), jax.jit(jax.jacfwd(relative))
-
-
 def fit_homogeneous(
     observations: Observations, basis: ConvexBasis, equilibrium: FieldEquilibrium, strategy: Strategy
 ) -> Homogeneous:
@@ -54,15 +41,22 @@ def fit_homogeneous(
     Clamps deform even a homogeneous sheet non-uniformly. This effect is computed and corrected, unless the grid is cut
     out of a larger sheet and the clamps are far away.
     """
-    loading, mean_F = observations.loading, jnp.asarray(observations.mean_F)
+    loading, mean_F, points = observations.loading, observations.mean_F, Points(basis)
     target, known = np.moveaxis(loading.P_average, 0, -1), np.moveaxis(loading.measured, 0, -1)
     start = basis.start
     start[0] = np.log(FIRST_LEVEL * loading.scale.max())
 
-    value, derivative = (partial(each, mean_F=mean_F, scale=loading.scale) for each in _compiled(basis))
+    def everywhere(params):
+        return np.tile(params[:, None], mean_F.shape[2])
+
+    def value(params, target):
+        return (points.stress_alone(mean_F, everywhere(params)) - target) / loading.scale
+
+    def derivative(params):
+        return np.moveaxis(points.by_parameters(mean_F, everywhere(params)) / loading.scale, 2, 3)
 
     def measured(values, steps):
-        return np.asarray(values)[:, :, steps][known[:, :, steps]]
+        return values[:, :, steps][known[:, :, steps]]
 
     # Fibres begin above zero, where they have a gradient, but the plainest material has none.
     plainest = np.array([0.0 if key in FIBRE_VECTOR else p for key, p in zip(basis.names, start, strict=True)])
@@ -72,7 +66,7 @@ def fit_homogeneous(
         return least_squares(
             lambda p: np.concatenate([PERCENT * measured(value(p, target), steps), ridges @ (p - plainest)]),
             start,
-            jac=lambda p: np.concatenate([PERCENT * measured(derivative(p, target), steps), ridges]),
+            jac=lambda p: np.concatenate([PERCENT * measured(derivative(p), steps), ridges]),
         ).x
 
     found = fit(strategy.strong_ridge, slice(None), target)

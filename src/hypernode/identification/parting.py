@@ -14,7 +14,7 @@ from hypernode.identification.law_search import turned
 from hypernode.identification.merging import merged
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.stiffness import CellDescent
+from hypernode.identification.stiffness import ByCell, CellDescent
 from hypernode.identification.trend import trend
 from hypernode.identification.trials import FAR, NEAR, Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
@@ -53,8 +53,12 @@ class Parting:
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
         return self._by_cell(begun, begun.problem, known, [0], np.zeros((1, 1)))
 
-    def with_direction(self, one: Candidate) -> Beside:
-        """A factor and fibres in every cell, on top of one homogeneous material."""
+    def with_direction(self, one: Candidate, beside: Beside) -> Beside:
+        """A factor and fibres in every cell, on top of one homogeneous material.
+
+        Args:
+            beside: a factor alone.
+        """
         problem = self.trials.problem([*one.terms, "fibre"])
         columns = [problem.basis.names.index(name) for name in ("log_level", *FIBRE_VECTOR)]
         plain = problem.homogeneous.params.copy()
@@ -63,7 +67,7 @@ class Parting:
         known = one.fit.field.with_law(plain[None])
         directions = [begun[0, columns[1:]] for begun in turned(problem.basis.start[None], problem, "fibre")]
         starts = np.c_[np.zeros(len(directions)), directions]
-        return self._by_cell(one, problem, known, columns, starts)
+        return self._by_cell(one, problem, known, columns, starts, beside.found)
 
     def _largest(self, problem: FieldProblem) -> list[int]:
         """The largest step of every load case, of those that count."""
@@ -88,13 +92,15 @@ class Parting:
                     break
         return found
 
-    def _by_cell(self, begun: Candidate, problem: FieldProblem, known: Interfaces, columns, starts) -> Beside:
+    def _by_cell(
+        self, begun: Candidate, problem: FieldProblem, known: Interfaces, columns, starts, others: ByCell | None = None
+    ) -> Beside:
         """Numbers of every cell that explain the largest steps of a test."""
         trials, steps = self.trials, self._largest(problem)
         test = SeenTest(problem, steps, begun.fit.window if self.finds_window else None)
         descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
         found = Beside(problem, known, columns, descent, None, steps, begun.u)
-        found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts))
+        found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts, others))
         self._tell(found, "blocks of cells")
         return found
 

@@ -8,10 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.fem.blocks import in_blocks
 from hypernode.mechanics.point_law import PointLaw
-
-#: Points in a compiled call: enough that a call costs more than to begin it, and few where lines cut few cells.
-BLOCK = 512
 
 
 class PointStress(NamedTuple):
@@ -34,15 +32,20 @@ def _compiled(law: PointLaw):
 
     def tangent(F, params):
         units = jnp.eye(4).reshape(4, 2, 2, 1)
-        P, along = jax.linearize(lambda F: law.stress(F, params), F)
-        return P, jax.vmap(lambda unit: along(jnp.broadcast_to(unit, F.shape)))(units)
+        return _along(lambda F: law.stress(F, params), F, units)
 
     def by_params(F, params):
         units = jnp.eye(len(params))[:, :, None]
-        _, along = jax.linearize(lambda params: law.stress(F, params), params)
-        return jax.vmap(lambda unit: along(jnp.broadcast_to(unit, params.shape)))(units)
+        return _along(lambda params: law.stress(F, params), params, units)[1]
 
     return jax.jit(tangent), jax.jit(by_params), jax.jit(law.stress)
+
+
+def _along(function, point, units):
+    """(value, its derivative along each unit), the same unit at all points."""
+    return jax.vmap(
+        lambda unit: jax.jvp(function, (point,), (jnp.broadcast_to(unit, point.shape),)), out_axes=(None, 0)
+    )(units)
 
 
 class Points:
@@ -58,34 +61,19 @@ class Points:
 
     def stress(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """(P, its derivative by F) of :class:`PointStress`."""
-        P, by_F = self._blocks(self._tangent, F, params)
+        P, by_F = in_blocks(self._tangent, F, params)
         return P, np.moveaxis(by_F, 0, 2).reshape(2, 2, 2, 2, -1)
 
     def stress_alone(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """``P`` of :class:`PointStress`."""
-        (P,) = self._blocks(lambda *given: (self._alone(*given),), F, params)
+        (P,) = in_blocks(lambda *given: (self._alone(*given),), F, params)
         return P
 
     def by_parameters(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """``by_params`` of :class:`PointStress`."""
-        (by_params,) = self._blocks(lambda *given: (self._by_params(*given),), F, params)
+        (by_params,) = in_blocks(lambda *given: (self._by_params(*given),), F, params)
         return np.moveaxis(by_params, 0, 2)
 
     def all(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]) -> PointStress:
         """Stress with both derivatives."""
         return PointStress(*self.stress(F, params), self.by_parameters(F, params))
-
-    @staticmethod
-    def _blocks(function, F, params):
-        """Results of a compiled function whose last axis are points, block by block."""
-        count, found = F.shape[-1], []
-        for first in range(0, count, BLOCK):
-            given = [each[..., first : first + BLOCK] for each in (F, params)]
-            if missing := BLOCK - given[0].shape[-1]:
-                # What fills the last block is its last point again.
-                given = [np.concatenate([each, np.repeat(each[..., -1:], missing, axis=-1)], axis=-1) for each in given]
-            found.append(function(*given))
-        return [
-            np.concatenate([np.asarray(each) for each in part], axis=-1)[..., :count]
-            for part in zip(*found, strict=True)
-        ]

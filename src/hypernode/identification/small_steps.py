@@ -8,7 +8,7 @@ from hypernode.identification.trials import NEAR
 def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
     """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
 
-    Fibres are taken where they explain half of the squares that a factor in every cell leaves of these steps.
+    Fibres are taken where they explain half of the squares that a factor leaves of these steps, in blocks as large.
 
     Args:
         parting: the search in the steps that count.
@@ -20,12 +20,12 @@ def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
     alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
     if alone is None:
         return None
-    beside = small.in_cells(small.beside(alone))
-    if "fibre" in trials.settings.terms:
-        directed = small.with_direction(alone)
-        if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
-            beside = directed
-    kept = small.parted(alone, beside)
+    beside = small.beside(alone)
+    directed = small.with_direction(alone, beside) if "fibre" in trials.settings.terms else beside
+    if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
+        kept = small.parted(alone, directed)
+    else:
+        kept = small.parted(alone, small.in_cells(beside))
     if kept is None or kept is alone:
         return None
     loading, u = one.problem.observations.loading, dict(kept.u)

@@ -42,12 +42,14 @@ class ByCell(NamedTuple):
         states: equilibrium of every step.
         misfit: root mean square of the displacements' misfit over their noise.
         groups: number of the group of cells that share numbers, of each (cell,).
+        of_large: misfit that large blocks of cells left, where the descent began.
     """
 
     values: Float[np.ndarray, "cell number"]
     states: list
     misfit: float
     groups: Int[np.ndarray, " cell"]
+    of_large: float = np.inf
 
     def halves(self, other: "ByCell") -> bool:
         """Whether these numbers leave less than half of the squares that others leave of the same steps."""
@@ -111,11 +113,14 @@ class CellDescent:
         self._difference = scipy.sparse.csr_matrix(entries, (number, len(mesh.cells)))
         self._length = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / np.sqrt(mesh.areas.mean())
 
-    def of_blocks(self, guesses, starts: Float[np.ndarray, "start number"]) -> ByCell | None:
+    def of_blocks(
+        self, guesses, starts: Float[np.ndarray, "start number"], others: ByCell | None = None
+    ) -> ByCell | None:
         """Where a descent of blocks ends; None without equilibrium.
 
         Args:
             starts: numbers from which all cells may begin; one is kept, that of which a few steps leave least.
+            others: fewer numbers of a cell. Small blocks follow only if large ones leave half of their squares.
         """
         mesh, best = self._test.sheet.mesh, None
         groups = blocks(mesh, BLOCKS[0])
@@ -125,6 +130,9 @@ class CellDescent:
                 best = found
         if best is None:
             return None
+        best = best._replace(of_large=best.misfit)
+        if others is not None and best.of_large**2 >= 0.5 * others.of_large**2:
+            return best
         return self._on(best, blocks(mesh, BLOCKS[1]), STEPS, CONVEX_STEPS // 2)
 
     def of_cells(self, found: ByCell) -> ByCell:
@@ -134,7 +142,8 @@ class CellDescent:
     def _on(self, found: ByCell, groups, most: int, done: int) -> ByCell:
         """Where a descent goes on with other groups."""
         guesses = [u for u, _, _ in found.states]
-        return self._descend(found.values, guesses, groups, most, done) or found
+        further = self._descend(found.values, guesses, groups, most, done)
+        return found if further is None else further._replace(of_large=found.of_large)
 
     def _cost(self, values, convex: bool):
         """(cost of the jumps, weights of their squares)."""
