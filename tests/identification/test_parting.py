@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hypernode.identification import parting
+from hypernode.identification import parting, small_steps
 from hypernode.identification.parting import Parting
 
 
@@ -74,3 +74,21 @@ def test_of_several_cuts_the_likeliest_is_kept(score, monkeypatch):
     monkeypatch.setattr(search, "_of_parts", lambda begun, beside, move, *parts: tried["otherwise" in move])
     assert search.likelier_cut(None, beside, 2) is tried[score < 0.0]
     assert passed == [tried[score >= 0.0]]
+
+
+@pytest.mark.parametrize("gain", [-5.0, 5.0])
+@pytest.mark.parametrize(("materials", "terms", "asked"), [(4, ("fibre",), 1), (2, ("fibre",), 0), (4, ("I2",), 0)])
+def test_several_materials_with_fibres_stand_against_those_of_small_steps(materials, terms, asked, gain, monkeypatch):
+    kept, other, calls = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
+    kept.terms = terms
+
+    def from_smallest(*given):
+        calls.append(given)
+        return other
+
+    monkeypatch.setattr(small_steps, "from_smallest", from_smallest)
+    moves, passed = SimpleNamespace(with_law=lambda each: each, merged=lambda each: each), []
+    search = SimpleNamespace(trials=SimpleNamespace(passed_over=lambda each, why: passed.append(each)))
+    found = small_steps.of_likelier_cut(search, moves, None, kept)
+    assert found is (other if asked and gain > 0.0 else kept) and len(calls) == asked
+    assert passed == ([kept if gain > 0.0 else other] if asked else [])

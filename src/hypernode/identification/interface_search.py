@@ -28,7 +28,7 @@ from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.moves import Moves
 from hypernode.identification.parting import FAR_FROM_NOISE, MOST, Parting
 from hypernode.identification.settings import Strategy
-from hypernode.identification.small_steps import from_smallest
+from hypernode.identification.small_steps import from_smallest, of_likelier_cut
 from hypernode.identification.trials import Trials, largest_and_half
 from hypernode.identification.volume import of_likelier_volume, with_area
 from hypernode.progress import say
@@ -84,7 +84,7 @@ class Search:
             return None
         if both := moves.law_on_finer_elements(kept):
             return both
-        kept = moves.merged(moves.with_law(kept))
+        kept = of_likelier_cut(parting, moves, one, moves.merged(moves.with_law(kept)))
         if cells := moves.of_whole_cells(kept):
             return cells, cells
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)

@@ -1,6 +1,7 @@
 """Materials and lines from the smallest load steps, in which law and direction matter least."""
 
 from hypernode.identification.candidate import Candidate
+from hypernode.identification.moves import Moves
 from hypernode.identification.parting import Parting
 from hypernode.identification.trials import NEAR
 
@@ -35,3 +36,25 @@ def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
         u[k] = one.u[k] + (kept.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
     move, window = "the same, largest load steps", kept.fit.window
     return trials.descend(move, kept, kept.problem, kept.fit.field, u, parting.steps, NEAR, window, move_lines=False)
+
+
+def of_likelier_cut(parting: Parting, moves: Moves, one: Candidate, kept: Candidate) -> Candidate:
+    """A candidate, or materials that the smallest load steps tell, with their law, where these explain more.
+
+    Several materials that were cut before fibres were known may stand for directions.
+
+    Args:
+        parting, moves: the search in the steps that count.
+        one: the homogeneous sheet.
+        kept: with a law.
+    """
+    if kept.fit.field.count <= 2 or "fibre" not in kept.terms:
+        return kept
+    other = from_smallest(parting, one)
+    if other is None:
+        return kept
+    other = moves.merged(moves.with_law(other))
+    gain = other.gain_over(kept)
+    better, worse = (other, kept) if gain > 0.0 else (kept, other)
+    parting.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
+    return better
