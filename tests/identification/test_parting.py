@@ -77,8 +77,13 @@ def test_of_several_cuts_the_likeliest_is_kept(score, monkeypatch):
 
 
 @pytest.mark.parametrize("gain", [-5.0, 5.0])
-@pytest.mark.parametrize(("materials", "terms", "asked"), [(4, ("fibre",), 1), (2, ("fibre",), 0), (4, ("I2",), 0)])
-def test_several_materials_with_fibres_stand_against_those_of_small_steps(materials, terms, asked, gain, monkeypatch):
+@pytest.mark.parametrize(
+    ("materials", "terms", "before", "asked"),
+    [(4, ("fibre",), False, 1), (2, ("fibre",), False, 0), (4, ("I2",), False, 0), (4, ("fibre",), True, 0)],
+)
+def test_several_materials_with_fibres_stand_against_those_of_small_steps_once(
+    materials, terms, before, asked, gain, monkeypatch
+):
     kept, other, calls = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
     kept.terms = terms
 
@@ -88,7 +93,8 @@ def test_several_materials_with_fibres_stand_against_those_of_small_steps(materi
 
     monkeypatch.setattr(small_steps, "from_smallest", from_smallest)
     moves, passed = SimpleNamespace(with_law=lambda each: each, merged=lambda each: each), []
-    search = SimpleNamespace(trials=SimpleNamespace(passed_over=lambda each, why: passed.append(each)))
+    record = {"passed_over": lambda each, why: passed.append(each), "was_tried": lambda move, start: before}
+    search = SimpleNamespace(trials=SimpleNamespace(**record))
     found = small_steps.of_likelier_cut(search, moves, None, kept)
     assert found is (other if asked and gain > 0.0 else kept) and len(calls) == asked
     assert passed == ([kept if gain > 0.0 else other] if asked else [])

@@ -85,7 +85,7 @@ class ContourLines:
 
     def cells(self, distance: Float[np.ndarray, " node"]):
         """(share of every cell where the distance is positive (cell,), unit normal towards there (cell, 2))."""
-        (found,) = in_blocks(lambda *given: (_CUT(*given),), distance[self.mesh.cells].T, self._sides.T)
+        found = in_blocks(_CUT, distance[self.mesh.cells].T, self._sides.T)
         return found[0], found[1:].T
 
     def slopes(self, distance: Float[np.ndarray, " node"], some: Int[np.ndarray, " some"]):
@@ -94,9 +94,7 @@ class ContourLines:
         Args:
             some: numbers of cells.
         """
-        given = distance[self.mesh.cells[some]].T, self._sides[some].T
-        (found,) = in_blocks(lambda *given: (_SLOPE(*given),), *given)
-        found = np.moveaxis(found, -1, 0)
+        found = np.moveaxis(in_blocks(_SLOPE, distance[self.mesh.cells[some]].T, self._sides[some].T), -1, 0)
         return found[:, 0], found[:, 1:]
 
     def distance(self, values: Float[np.ndarray, " node"], fewest: int = 1) -> Float[np.ndarray, " node"]:

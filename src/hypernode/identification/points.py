@@ -66,13 +66,11 @@ class Points:
 
     def stress_alone(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """``P`` of :class:`PointStress`."""
-        (P,) = in_blocks(lambda *given: (self._alone(*given),), F, params)
-        return P
+        return in_blocks(self._alone, F, params)
 
     def by_parameters(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]):
         """``by_params`` of :class:`PointStress`."""
-        (by_params,) = in_blocks(lambda *given: (self._by_params(*given),), F, params)
-        return np.moveaxis(by_params, 0, 2)
+        return np.moveaxis(in_blocks(self._by_params, F, params), 0, 2)
 
     def all(self, F: Float[np.ndarray, "2 2 point"], params: Float[np.ndarray, "parameter point"]) -> PointStress:
         """Stress with both derivatives."""

@@ -5,6 +5,8 @@ from hypernode.identification.moves import Moves
 from hypernode.identification.parting import Parting
 from hypernode.identification.trials import NEAR
 
+MOVE = "one material, smallest load steps"
+
 
 def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
     """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
@@ -17,8 +19,7 @@ def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
     """
     trials, finds, steps = parting.trials, parting.finds_window, parting.smallest(one)
     small = Parting(trials, steps, finds, small=True)
-    move = "one material, smallest load steps"
-    alone = trials.descend(move, None, one.problem, one.fit.field, one.u, steps, NEAR)
+    alone = trials.descend(MOVE, None, one.problem, one.fit.field, one.u, steps, NEAR)
     if alone is None:
         return None
     beside = small.beside(alone)
@@ -41,14 +42,15 @@ def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
 def of_likelier_cut(parting: Parting, moves: Moves, one: Candidate, kept: Candidate) -> Candidate:
     """A candidate, or materials that the smallest load steps tell, with their law, where these explain more.
 
-    Several materials that were cut before fibres were known may stand for directions.
+    Several materials that were cut before fibres were known may stand for directions. Small steps are asked once.
 
     Args:
         parting, moves: the search in the steps that count.
         one: the homogeneous sheet.
         kept: with a law.
     """
-    if kept.fit.field.count <= 2 or "fibre" not in kept.terms:
+    asked = parting.trials.was_tried(MOVE, None)
+    if kept.fit.field.count <= 2 or "fibre" not in kept.terms or asked:
         return kept
     other = from_smallest(parting, one)
     if other is None:
