@@ -3,6 +3,7 @@
     python -m benchmarks.challenge [SHEETS_A_PAIR [ENGINE]]
 
 Strokes of a pen are printed into squares of 40 mm, in four pairs of materials, clamped at two ends and pulled by 6 mm.
+The lines that a printer lays make a sheet stiffer along or across the pull.
 Cameras see a grid through an averaging window, with noise and in pixels. With an ENGINE, pyvale or al_dic, it follows
 points through pictures of speckle instead. Millimetres are then scaled by the crosshead, though the clamps give way by
 some of its travel. The first sheet of each pair has its label and tells the classes; the others are labelled without

@@ -27,6 +27,9 @@ from hypernode.synthetic.forward import resultants
 
 #: (label of the matrix, of the stroke) -> shear moduli [MPa], of a printer's elastomers.
 PAIRS = {(8, 0): (0.20, 0.38), (9, 3): (0.23, 0.60), (8, 4): (0.20, 1.0), (9, 7): (0.23, 1.6)}
+#: What a sheet is stiffer along the lines that the printer lays, at most, as a share of Young's modulus across them, and
+#: what these lines stiffen by when they are pulled (k2 of Gasser, Ogden and Holzapfel).
+PRINTED, STIFFENS = 0.15, 1.0
 #: Points along a side, finite elements from one to the next, window in steps, noise in steps, frames, largest stretch.
 POINTS, FINER, WINDOW, NOISE, FRAMES, STRETCH = 27, 2, 1.5, 0.01, 9, 1.15
 #: Share of the crosshead's travel that clamps take, and where a force falls when the sheet tears.
@@ -70,13 +73,26 @@ def inside(X, curve, half: float):
     return (np.linalg.norm(X[:, None] - curve[None], axis=2) < half).any(axis=1)
 
 
+def printed(random, mu: Float[np.ndarray, " cell"]) -> dict[str, np.ndarray]:
+    """Parameters of every cell of a sheet whose lines are laid along the pull or across it.
+
+    A small stretch e along fibres of strength k1 gives them a stress of 4 k1 e, and the matrix one of 3 mu e.
+
+    Args:
+        mu: shear moduli of the matrix [MPa].
+    """
+    stiffer, along = random.uniform(0.0, PRINTED), random.choice([0.0, np.pi / 2])
+    each = {"C10": mu / 2, "k1": 0.75 * stiffer * mu, "k2": STIFFENS, "kappa": 0.0, "fibre_angle": along}
+    return {"model": np.zeros_like(mu), **{name: value * np.ones_like(mu) for name, value in each.items()}}
+
+
 def pulled(random, pair: tuple[int, int]) -> Pulled:
     """A sheet with a stroke of its own, clamped at both ends."""
     curve, half = stroke(random), random.uniform(0.055, 0.08)
     line = np.linspace(0.0, 1.0, FINER * (POINTS - 1) + 1)
     mesh = rectilinear(line, line)
     mu = np.where(inside(mesh.centres, curve, half), PAIRS[pair][1], PAIRS[pair][0])
-    solver = EquilibriumSolver(mesh, closed_form_stress(("neo_hookean",)), {"model": np.zeros_like(mu), "mu": mu})
+    solver = EquilibriumSolver(mesh, closed_form_stress(("goh",)), printed(random, mu))
     stretch = np.linspace(1.0, STRETCH, FRAMES)[1:]
     load = make_load("clamped_y", stretch)
     u, _ = solver.solve(load)
