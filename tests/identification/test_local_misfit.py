@@ -5,14 +5,16 @@ import dataclasses
 
 import numpy as np
 import pytest
+import scipy.sparse
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.gauss_newton import descend
-from hypernode.identification.local_misfit import local_misfit
+from hypernode.identification.local_misfit import beyond_edges, local_misfit
 from hypernode.identification.observations import observe
 from hypernode.identification.problem import field_problem
 from hypernode.identification.settings import STRATEGY
+from hypernode.identification.window_error import changed_by_window
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
@@ -83,3 +85,36 @@ def test_where_elements_err_more_than_noise_a_place_is_judged_if_they_do_so_besi
     data, _, _ = sheet(12, square, LOAD, noise=NOISE, terms=())
     observations = observe(data.assign_attrs(mesh="finer"), 1, STRATEGY, floor=2.0 * NOISE, at_lines=at_lines)
     assert not observations.noisy and bool(observations.by_places) is at_lines
+
+
+def seen_through_a_window(**attrs):
+    data, _, _ = sheet(12, square, LOAD, noise=1e-5, window=0.2, terms=())
+    return observe(data.assign_attrs(attrs), 1, STRATEGY, floor=0.0)
+
+
+def test_a_point_of_a_cut_edge_may_be_off_by_what_the_window_changes_most_anywhere():
+    observations = seen_through_a_window(outline="cut")
+    changed = changed_by_window(observations.grid, observations.u, 0.2, "average").max(axis=1)
+    for errors, most, boundary in zip(beyond_edges(observations), changed, observations.boundaries, strict=True):
+        assert errors.shape[1] == boundary.mask.sum() and len(errors.data) == errors.shape[1]
+        assert set(errors.data) == set(most)
+
+
+@pytest.mark.parametrize("attrs", [{"outline": "edge"}, {"outline": "cut", "correlation_window": 0.0}])
+def test_an_edge_of_the_sheet_or_one_seen_point_by_point_is_not_off_by_what_is_beyond(attrs):
+    assert beyond_edges(seen_through_a_window(**attrs)) == []
+
+
+def test_what_errors_of_edges_make_of_residuals_is_taken_out_and_the_rest_stays(found):
+    errors = [
+        scipy.sparse.identity(338, format="csr")[:, boundary.prescribed]
+        for boundary in found.problem.observations.boundaries
+    ]
+    linear, rows = found.linear, found.linear.of_steps([0])
+    answered = linear.steps[0].whiten(linear.steps[0]._answered(errors[0]))
+    by_edges, other = np.zeros((2, linear.shape[0]))
+    by_edges[rows] = 1e6 * answered[:, 3] / np.linalg.norm(answered[:, 3])
+    assert np.linalg.norm(linear.without(by_edges, errors)) < 1e-2 * np.linalg.norm(by_edges)
+    drawn = np.random.default_rng(0).normal(size=rows.sum())
+    other[rows] = drawn - answered @ np.linalg.lstsq(answered, drawn)[0]
+    assert linear.without(other, errors) == pytest.approx(other, abs=1e-6)

@@ -2,15 +2,22 @@
 
 A mean over the sheet hides local errors. Squared residuals are therefore averaged around each cell. The limit is the
 value that the largest of these means reaches by chance anywhere in the sheet.
+
+A point of a cut edge is a mean over a window, half of which lies beyond the edge. What bends there is not seen. So such
+a point may be off by as much as the window changes anywhere in the sheet. What errors of that size explain says nothing
+of the material (docs/decisions/0219).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse
 import scipy.special
 from jaxtyping import Bool, Float
 
 from hypernode.identification.estimate import Estimate
+from hypernode.identification.observations import Observations
+from hypernode.identification.window_error import NEVER, changed_by_window
 
 
 @dataclass(frozen=True)
@@ -39,7 +46,10 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     observations, strategy = problem.observations, problem.strategy
     if not observations.by_places:
         return None
-    residuals, _ = found.objective.residuals(found.states, problem.sigma, found.linear)
+    residuals, forces = found.objective.residuals(found.states, problem.sigma, found.linear)
+    if found.linear is not None and (beyond := beyond_edges(observations)):
+        white = found.linear.without(np.concatenate([residuals, forces]), beyond)
+        residuals = white[: len(residuals)]
     nodes = len(observations.grid.nodes)
     observed = [boundary.observed for boundary in observations.boundaries]
     by_node = np.full((len(observed), 2 * nodes), np.nan)
@@ -61,3 +71,19 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     limit = scipy.special.chdtri(independent, alone) / independent
     unexplained = known & (mean > limit * usual**2)
     return LocalMisfit(np.sqrt(mean) / usual, unexplained, by_node, share)
+
+
+def beyond_edges(observations: Observations) -> list[scipy.sparse.csr_matrix]:
+    """Errors of the points of cut edges by what may bend beyond them, by step (degree of freedom, point); or none."""
+    if not observations.cut or observations.window == 0.0:
+        return []
+    grid, refinement = observations.grid, observations.refinement
+    changed = changed_by_window(grid, observations.u, observations.window, observations.kernel).max(axis=1)
+    between = scipy.sparse.kron(refinement.interpolation, scipy.sparse.identity(2), format="csr")
+    found = []
+    for most, boundary in zip(changed, observations.boundaries, strict=True):
+        size = np.where(boundary.mask[refinement.nodes] & (most > NEVER * observations.sigma), most, 0.0).ravel()
+        off = np.flatnonzero(size)
+        of_points = scipy.sparse.csr_matrix((size[off], (off, np.arange(len(off)))), (len(size), len(off)))
+        found.append(between @ of_points)
+    return found

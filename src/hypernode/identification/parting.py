@@ -41,8 +41,9 @@ class Parting:
         self.trials, self.steps, self.finds_window, self._small = trials, steps, finds_window, small
         #: What a factor in every cell on top of one material leaves of the displacements, once one was fitted.
         self.by_cell = np.inf
-        #: One material that changes gradually, once that was tried.
+        #: One material that changes gradually, and two materials with lines, once these were tried.
         self.gradual: Candidate | None = None
+        self.of_two: Candidate | None = None
 
     def beside(self, begun: Candidate) -> Beside:
         """The factor of the stiffness in blocks of cells that explains more than a candidate, on top of its materials.
@@ -139,6 +140,8 @@ class Parting:
             found = self.likelier_cut(begun, beside, count)
             if found is None:
                 continue
+            if first and count == 2:
+                self.of_two = found
             gain = found.gain_over(kept)
             if why := self._why_more(found, kept):
                 trials.passed_over(kept, f"{why} {count} materials")

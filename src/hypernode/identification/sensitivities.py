@@ -9,6 +9,7 @@ therefore give the curvature of all, by a quadrature rule.
 """
 
 import functools
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -91,28 +92,27 @@ class StepJacobian:
     """
 
     def __init__(self, *, K, B, free, observe, forces, errors, answered=None):
-        rows = K[free]
-        self.factor = factorise(rows[:, free])
-        self._load, self._observe = B[free], observe[:, free]
+        self._rows, self._free, self._observe = K[free], free, observe
+        self._seen = observe[:, free]
+        self.factor = factorise(self._rows[:, free])
+        self._load = B[free]
         self._load_transposed = self._load.T.tocsr()
-        reactions = [K @ direction / sigma for direction, sigma in forces]
+        reactions = self._reactions = [K @ direction / sigma for direction, sigma in forces]
         self._force_rows = np.zeros((len(forces), B.shape[1]))
         for row, (direction, sigma), reaction in zip(self._force_rows, forces, reactions, strict=True):
             row[:] = B.T @ direction / sigma - self._load_transposed @ self.factor.solve(reaction[free])
         self.observed, self.parameters = observe.shape[0], B.shape[1]
-        if answered is None:
-            answered = self._answered(rows, free, observe, reactions, errors)
-        self._shared, self.variance = directions(answered)
+        self._shared, self.variance = directions(self._answered(errors) if answered is None else answered)
 
-    def _answered(self, rows, free, observe, reactions, errors):
+    def _answered(self, errors):
         """How residuals answer to errors of the prescribed displacements, some at a time."""
         found = []
         for first in range(0, errors.shape[1], ERRORS_AT_ONCE):
             some = errors[:, first : first + ERRORS_AT_ONCE]
             du = some.toarray()
-            du[free] = -self.factor.solve((rows @ some).toarray())
-            found.append(np.concatenate([observe @ du, *(r[None] @ du for r in reactions)]))
-        return np.concatenate(found, axis=1) if found else np.zeros((self.observed + len(reactions), 0))
+            du[self._free] = -self.factor.solve((self._rows @ some).toarray())
+            found.append(np.concatenate([self._observe @ du, *(r[None] @ du for r in self._reactions)]))
+        return np.concatenate(found, axis=1) if found else np.zeros((self.observed + len(self._reactions), 0))
 
     def displacement(self, change):
         """First-order change of the free displacements."""
@@ -122,14 +122,19 @@ class StepJacobian:
         """Residuals that share the errors of prescribed edges, as independent ones of unit variance."""
         return _without(self._shared, 1.0 - 1.0 / np.sqrt(1.0 + self.variance), residual)
 
+    def without(self, white, errors):
+        """Whitened residuals, without what further errors explain of them."""
+        shared, variance = directions(self.whiten(self._answered(errors)))
+        return _without(shared, 1.0 - 1.0 / np.sqrt(1.0 + variance), white)
+
     def product(self, change):
         """J change, not whitened."""
-        return np.concatenate([self._observe @ self.displacement(change), self._force_rows @ change])
+        return np.concatenate([self._seen @ self.displacement(change), self._force_rows @ change])
 
     def _adjoint(self, residual):
         """J^T residual, not whitened."""
         observed, forces = np.split(residual, [self.observed])
-        return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._observe.T @ observed)
+        return self._force_rows.T @ forces - self._load_transposed @ self.factor.solve(self._seen.T @ observed)
 
     def adjoint(self, residual):
         """J^T residual."""
@@ -207,6 +212,13 @@ class Jacobian:
     def _independent(self, residual):
         """``residual`` without a share of it in each of the directions that errors of load cells have."""
         return _without(self._shared, 1.0 - 1.0 / np.sqrt(1.0 + self._variance), residual)
+
+    def without(self, white, errors: Sequence):
+        """Whitened residuals, without what further errors of prescribed displacements of each step explain of them."""
+        left = white.copy()
+        for step, rows, each in zip(self.steps, self._rows, errors, strict=True):
+            left[rows] = step.without(white[rows], each)
+        return left
 
     def of_steps(self, steps) -> np.ndarray:
         """Which residuals are those of some load steps (residual,)."""
