@@ -5,6 +5,7 @@ import pytest
 
 from hypernode.data.loading import Loading
 from hypernode.evaluation.equilibrium import (
+    edge_force_error,
     edge_resultants,
     equilibrium_gap,
     nodal_forces,
@@ -74,6 +75,15 @@ def test_a_stress_that_misses_the_force_is_in_equilibrium_at_the_nodes_but_not_w
     assert equilibrium_gap(MESH, loading, weak)[0] == pytest.approx(0.1, rel=1e-9)
     judged = score_equilibrium(MESH, loading, test, np.tile(np.eye(2), (1, len(MESH.cells), 1, 1)), weak, "measured")
     assert judged.summary["edge_force_error_measured"] == pytest.approx(0.1, rel=1e-9)
+
+
+def test_ends_of_a_cut_grid_carry_different_parts_of_one_force():
+    measured = np.full((1, 4, 2), np.nan)
+    measured[0, :2, 0] = -2.0, 2.0
+    found, held = measured + np.array([0.1, 0.1, 0.0, 0.0])[:, None], np.isfinite(measured)
+    assert edge_force_error(found, measured, held) == pytest.approx([0.05])
+    assert edge_force_error(found, measured, held, cut=True) == pytest.approx([0.0], abs=1e-12)
+    assert edge_force_error(1.1 * measured, measured, held, cut=True) == pytest.approx([0.1])
 
 
 def test_thickness_and_relaxation_turn_stress_into_recorded_force():

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from hypernode.data.loading import Loading
-from hypernode.data.measurement import relative_thickness, relaxation
+from hypernode.data.measurement import is_cut_out, mean_of_ends, relative_thickness, relaxation
 from hypernode.data.seen_share import carried_shares, seen_shares
 from hypernode.evaluation.judgement import Judgement
 from hypernode.fem.equilibrium_gap import relative_gap
@@ -84,12 +84,21 @@ def edge_force_error(
     found: Float[np.ndarray, "step edge 2"],
     measured: Float[np.ndarray, "step edge 2"],
     prescribed: Bool[np.ndarray, "step edge 2"],
+    cut: bool = False,
 ) -> Float[np.ndarray, " step"]:
-    """Largest error of the measured resultants on prescribed edges, over the largest resultant of the step."""
+    """Largest error of the measured resultants on prescribed edges, over the largest resultant of the step.
+
+    Args:
+        cut: whether the grid is cut out of a larger sheet. Its ends then carry different parts of one force, and their
+            mean counts.
+    """
     known = np.isfinite(measured) & prescribed
-    largest = np.nan_to_num(np.abs(measured)).max(axis=(1, 2), keepdims=True)
-    relative = np.divide(np.abs(found - measured), largest, out=np.zeros_like(found), where=known)
-    return np.max(relative, axis=(1, 2), where=known, initial=0.0)
+    largest = np.nan_to_num(np.abs(measured)).max(axis=(1, 2))
+    missed = np.where(known, found - measured, np.nan)
+    ends = [mean_of_ends(missed, axis, i) for axis, i in np.ndindex(2, 2)]
+    each = ends if cut else missed.reshape(len(missed), -1).T
+    worst = np.max(np.nan_to_num(np.abs(each)), axis=0)
+    return np.divide(worst, largest, out=np.zeros(len(worst)), where=largest > 0.0)
 
 
 def score_equilibrium(
@@ -110,7 +119,9 @@ def score_equilibrium(
     constrained = loading.constrained[loading.load_case]
     strain = np.asarray(largest_principal_strain(np.moveaxis(F, (2, 3), (0, 1))))
     by_step = {
-        "edge_force_error": edge_force_error(forces, measurement["edge_force"].values, constrained),
+        "edge_force_error": edge_force_error(
+            forces, measurement["edge_force"].values, constrained, is_cut_out(measurement)
+        ),
         "equilibrium_residual": nodal_residual(mesh, loading, nodal, P),
         "equilibrium_gap": equilibrium_gap(mesh, loading, P),
     }

@@ -22,7 +22,7 @@ def force_numbers(evaluation: xr.Dataset) -> list[dict]:
     """Resultants of every step: ``step``, ``name``, ``measured``, ``identified`` and ``error`` [%].
 
     The identified one is of the stress at the identified deformation; the error is over the largest resultant of its
-    step, as :func:`~hypernode.evaluation.equilibrium.edge_force_error` has it.
+    step.
     """
     measured, found = (evaluation[key].values for key in ("edge_force", "edge_force_at_identified"))
     if not np.isfinite(measured).any():
