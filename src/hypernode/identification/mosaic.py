@@ -15,6 +15,7 @@ from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import ContourModel, Options, at_contours, options_at_contours, relabelled
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials, CellResponse
 
@@ -27,6 +28,8 @@ GAIN = 0.5
 SHARES = (1.0, 0.5, 0.25, 0.1)
 #: How many of these changes are tried alone.
 ALONE = 3
+#: Changes up to which all are asked, whatever they promise: of 50 x 50 cells.
+ALL = 800
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -123,26 +126,36 @@ class Mosaic(Interfaces):
             between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
         if any(each is None for each in between):
             return None
-        sigma = test.sigma_of(states)
         loads = [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in between]
-        answers = (answer.J for answer in test.answers(between, loads, sigma))
+        dear = self._dearer(options)
+        if len(options.cell) > ALL:
+            some = promising(test, states, between, loads, dear)
+            if not some.any():
+                return None
+            options, dear = options.those(some), dear[some]
+            columns = np.append(some, np.ones(self.materials.size, bool))
+            loads = [load.tocsc()[:, columns].tocsr() for load in loads]
+        sigma, count = test.sigma_of(states), len(options.cell)
+        answers = (answer.over(sigma) for answer in test.answers(between, loads))
         curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
-        count = len(options.cell)
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
-        across = curvature[:count, count:]
-        gradient, curvature = (
-            gradient[:count] - across @ follow[:, -1],
-            curvature[:count, :count] - across @ follow[:, :-1],
-        )
-        sides = _sides(self.lines.grid.mesh)
-        if self.given is not None:
-            sides, given = 0.0 * sides, self.given[options.cell]
-            away, now = options.label != given, self.of_cells[options.cell] != given
-            gradient = gradient + self._change * (away.astype(float) - now)
+        across, sides = curvature[:count, count:], _sides(self.lines.grid.mesh)
         return ContourModel(
-            options=options, gradient=gradient, curvature=curvature, lengths=sides, between=1.0 - np.eye(self.count)
+            options=options,
+            gradient=gradient[:count] - across @ follow[:, -1] + dear,
+            curvature=curvature[:count, :count] - across @ follow[:, :-1],
+            lengths=sides if self.given is None else 0.0 * sides,
+            between=1.0 - np.eye(self.count),
         )
+
+    def _dearer(self, options: Options) -> Float[np.ndarray, " option"]:
+        """What each option costs beside the length of contours: to be another label than was given, or none."""
+        if self.given is None:
+            return np.zeros(len(options.cell))
+        given = self.given[options.cell]
+        away, now = options.label != given, self.of_cells[options.cell] != given
+        return self._change * (away.astype(float) - now)
 
     def _half_way(self, options: Options) -> CellMaterials:
         """Cells that may change as mixtures of all that they may be, in equal parts; the options come first."""

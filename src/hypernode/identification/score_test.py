@@ -138,7 +138,7 @@ class ScoreTest:
             scipy.sparse.hstack([own, field.loads_of_materials(sheet.cell_response(u, of), of)], format="csr")
             for own, (u, _, _) in zip(test.loads(field, states, field.still), states, strict=True)
         ]
-        answers = (each.J for each in test.answers(states, loads, sigma))
+        answers = (each.over(sigma) for each in test.answers(states, loads))
         self._curvature, self._gradient = shared.normal(answers, residuals)
         # Coefficients at their bound stay there.
         self._free = np.flatnonzero(numbers.y > numbers.lowest)
