@@ -103,7 +103,7 @@ def test_changes_that_promise_something_are_few_and_the_right_ones_are_among_the
         for u, _, _ in states
         for of in [field._half_way(options)]
     ]
-    some = promising(test, states, states, loads, np.zeros(len(options.cell)))
+    some = promising(test, states, loads, np.zeros(len(options.cell)))
     wrong = np.flatnonzero(field.of_cells != inside)
     assert np.isin(wrong, options.cell[some]).all()
     assert some.sum() < 0.7 * len(some)

@@ -77,10 +77,15 @@ class CholeskyFactors:
 
         return solve
 
-    def _of_many(self, b: Float[np.ndarray, "n column"]) -> Float[np.ndarray, "n column"]:
+    def solve_sparse(self, b: scipy.sparse.csc_matrix) -> Float[np.ndarray, "n column"]:
+        """A^-1 of sparse columns, of which only some at a time are made dense."""
+        return self._of_many(b) if b.shape[1] >= MANY else self.solve(b.toarray())
+
+    def _of_many(self, b) -> Float[np.ndarray, "n column"]:
         found = np.empty(b.shape)
         for first in range(0, b.shape[1], AT_ONCE):
-            found[:, first : first + AT_ONCE] = self._columns(b[:, first : first + AT_ONCE])
+            some = b[:, first : first + AT_ONCE]
+            found[:, first : first + AT_ONCE] = self._columns(some.toarray() if scipy.sparse.issparse(b) else some)
         return found
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float, Int
 
+from hypernode.fem.factors import AT_ONCE, CholeskyFactors
+
 
 class Answer(NamedTuple):
     """How a step answers to numbers, to first order.
@@ -37,7 +39,9 @@ class Answer(NamedTuple):
         # Numbers that load nothing, as distances beside no cut cell, change nothing.
         some = np.flatnonzero(np.diff(load.tocsc().indptr))
         by_force, load = np.zeros((len(forces), load.shape[1])), load[:, some]
-        du = -factors.solve(load[free].toarray())
+        held = load[free].tocsc()
+        du = factors.solve_sparse(held) if isinstance(factors, CholeskyFactors) else factors.solve(held.toarray())
+        np.negative(du, out=du)
         for row, f in zip(by_force, forces, strict=True):
             row[some] = (load.T @ f.direction + (K @ f.direction)[free] @ du) / f.sigma
         return cls(du, by_force, observe[:, free], some, free)
@@ -46,7 +50,9 @@ class Answer(NamedTuple):
         """Derivative of the residuals, of displacements over ``sigma``."""
         observed = self.observe.shape[0]
         J = np.zeros((observed + len(self.forces), self.forces.shape[1]))
-        J[:observed, self.some] = (self.observe / sigma) @ self.displacements
+        observe = self.observe / sigma
+        for first in range(0, len(self.some), AT_ONCE):
+            J[:observed, self.some[first : first + AT_ONCE]] = observe @ self.displacements[:, first : first + AT_ONCE]
         J[observed:] = self.forces
         return J
 

@@ -87,7 +87,11 @@ class SharedErrors:
     def normal(self, jacobians: Iterable[np.ndarray], residuals: Sequence[np.ndarray]):
         """(J^T C^-1 J, J^T C^-1 r)."""
         curvature = gradient = by_loads = through = 0.0
-        for k, (J, r) in enumerate(zip(jacobians, residuals, strict=True)):
+        steps, J = iter(jacobians), None
+        for k, r in enumerate(residuals):
+            # That of one step takes memory enough while the next is made.
+            del J
+            J = next(steps)
             half, half_r = self._half(k, self._by_edges(k, J)), self._half(k, self._by_edges(k, r))
             curvature = curvature + J.T @ J - half.T @ half
             gradient = gradient + J.T @ r - half.T @ half_r

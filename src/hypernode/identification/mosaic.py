@@ -120,30 +120,30 @@ class Mosaic(Interfaces):
 
     def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
         """The misfit by options, as a quadratic form whose materials follow."""
+        some = np.ones(len(options.cell), bool)
+        if len(some) > ALL:
+            loads = self._loads_at(test, [u for u, _, _ in states], options)
+            some = promising(test, states, loads, self._dearer(options))
+        if not some.any():
+            return None
         half_way = self._half_way(options)
         tolerance, between = test.problem.strategy.newton_tolerance, []
         for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
             between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
         if any(each is None for each in between):
             return None
-        loads = [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in between]
-        dear = self._dearer(options)
-        if len(options.cell) > ALL:
-            some = promising(test, states, between, loads, dear)
-            if not some.any():
-                return None
-            options, dear = options.those(some), dear[some]
-            columns = np.append(some, np.ones(self.materials.size, bool))
-            loads = [load.tocsc()[:, columns].tocsr() for load in loads]
+        columns = np.append(some, np.ones(self.materials.size, bool))
+        loads = [each[:, columns] for each in self._loads_at(test, [u for u, _, _ in between], options)]
+        options = options.those(some)
         sigma, count = test.sigma_of(states), len(options.cell)
-        answers = (answer.over(sigma) for answer in test.answers(between, loads))
-        curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
+        jacobians = test.jacobians(between, loads, sigma)
+        curvature, gradient = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
         across, sides = curvature[:count, count:], _sides(self.lines.grid.mesh)
         return ContourModel(
             options=options,
-            gradient=gradient[:count] - across @ follow[:, -1] + dear,
+            gradient=gradient[:count] - across @ follow[:, -1] + self._dearer(options),
             curvature=curvature[:count, :count] - across @ follow[:, :-1],
             lengths=sides if self.given is None else 0.0 * sides,
             between=1.0 - np.eye(self.count),
@@ -176,6 +176,11 @@ class Mosaic(Interfaces):
             weight=weight,
             factor=np.ones(len(self.of_cells)),
         )
+
+    def _loads_at(self, test: SeenTest, u, options: Options) -> list[scipy.sparse.csr_matrix]:
+        """:meth:`_loads` by step, whose displacements are given, with changes half-way."""
+        of = self._half_way(options)
+        return [self._loads(test.sheet.cell_response(each, of), of, options) for each in u]
 
     def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the options, then by the materials, row by row."""

@@ -13,11 +13,14 @@ from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.parting import MOST
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import FAR, Trials
+from hypernode.verdict import Ending
 
 #: From how many materials there are to whole cells of them on a coarser grid.
 Contours = Callable[[int], Candidate | None]
 #: How often contours move at most.
 ROUNDS = 10
+#: Name of the move that goes on with a descent.
+MORE = "the same, more steps"
 #: Ratio of what whole cells leave to what the lines around them leave, up to which single cells may be wrong. Under
 #: noise the few that a line misplaces hardly show.
 NEARLY = 1.2
@@ -53,7 +56,7 @@ class MosaicSearch:
             if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
-            found = self._lawful(found) if coarser is None else self._plainer(self._lawful(self._settled(found)))
+            found = self._lawful(found) if coarser is None else self._lawful(self._plainer(self._settled(found)))
             if kept is not None:
                 gain = found.gain_over(kept)
                 better, worse = (found, kept) if gain > EVIDENCE else (kept, found)
@@ -143,13 +146,29 @@ class MosaicSearch:
         return best
 
     def _settled(self, kept: Candidate) -> Candidate:
-        """The same once no cell at a contour would rather be of another material."""
+        """The same once no cell at a contour would rather be of another material.
+
+        What is left of displacements that is no more than the solver leaves says nothing of cells.
+        """
         for _ in range(ROUNDS):
-            moved = self._moved(kept)
+            if kept.leaves_nothing:
+                break
+            moved = self._moved(kept) or self._further(kept)
             if moved is None:
                 break
             kept = moved
         return kept
+
+    def _further(self, kept: Candidate) -> Candidate | None:
+        """The same after more steps of a descent that was out of them; None where that was not, or is no better."""
+        if kept.fit.ending is not Ending.OUT_OF_ITERATIONS:
+            return None
+        u, window = kept.u, kept.fit.window
+        found = self._trials.descend(MORE, kept, kept.problem, kept.fit.field, u, self._steps, FAR, window)
+        if found is None or found.gain_over(kept) <= 0.0:
+            return None
+        self._trials.passed_over(kept, "ended early")
+        return found
 
     def _moved(self, kept: Candidate) -> Candidate | None:
         """The same with other labels at contours; None where none explain more."""

@@ -11,8 +11,8 @@ from jaxtyping import Bool, Float
 
 from hypernode.identification.seen_test import SeenTest
 
-#: Random residuals by which curvatures are known to a quarter.
-PROBES = 32
+#: Random residuals, by which curvatures are known to a fifth.
+PROBES = 64
 #: Part of a change up to which it promises nothing, were it real.
 LEAST_PART = 0.1
 #: What contours may pay for a change: four sides of a cell.
@@ -20,22 +20,22 @@ PAID = 4.0 * float(np.log(2.0))
 
 
 def promising(
-    test: SeenTest, states, between, loads: list[scipy.sparse.csr_matrix], dear: Float[np.ndarray, " change"]
+    test: SeenTest, states, loads: list[scipy.sparse.csr_matrix], dear: Float[np.ndarray, " change"]
 ) -> Bool[np.ndarray, " change"]:
     """Which changes promise something, where the materials follow.
 
     Args:
-        states, between: equilibrium of every step, and with changes half-way.
+        states: equilibrium of every step.
         loads: derivative of the nodal forces by the changes, then by the numbers of the materials, by step.
         dear: what changes cost beside what they explain.
     """
     count, sigma = len(dear), test.sigma_of(states)
     shared, random = test.shared(states, sigma), np.random.default_rng(0)
-    materials = test.answers(between, [load.tocsc()[:, count:] for load in loads])
+    materials = test.answers(states, [load.tocsc()[:, count:] for load in loads])
     each = zip(test.residuals(states, sigma), materials, strict=True)
     known = shared.weighed([np.c_[r, answer.over(sigma)] for r, answer in each])
     columns = [np.c_[each, random.standard_normal((len(each), PROBES))] for each in known]
-    pulled = test.adjoint(between, loads, sigma, columns)
+    pulled = test.adjoint(states, loads, sigma, columns)
     number = pulled.shape[0] - count
     slope, across, probes = np.split(pulled, [1, 1 + number], axis=1)
     own = across[count:] + test.problem.strategy.ridge * np.eye(number)

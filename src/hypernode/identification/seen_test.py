@@ -171,6 +171,12 @@ class SeenTest:
             free = boundary.free
             yield Answer.of(self._factors(k, K, free), K, loads[k], free, observe, forces)
 
+    def jacobians(self, states, loads, sigma: float) -> Iterator[Float[np.ndarray, "residual number"]]:
+        """Derivative of the residuals by numbers, of one step after the other: of :meth:`answers`, not kept."""
+        for k, ((_, _, K), boundary, observe, forces) in enumerate(self._of_steps(states)):
+            free = boundary.free
+            yield Answer.of(self._factors(k, K, free), K, loads[k], free, observe, forces).over(sigma)
+
     def adjoint(self, states, loads, sigma: float, residuals) -> Float[np.ndarray, "number column"]:
         """J^T of columns of the residuals of all steps.
 
