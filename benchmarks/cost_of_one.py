@@ -99,7 +99,7 @@ def watch(clock: Clock, counts: dict) -> list[tuple[float, float]]:
             return self._solve(b)
 
     factorise = factors.factorise
-    counting = clock.timed(lambda matrix: Counted(factorise(matrix)), "factorisation", counts, "factorisations")
+    counting = clock.timed(lambda *given: Counted(factorise(*given)), "factorisation", counts, "factorisations")
     for module in list(sys.modules.values()):
         if getattr(module, "factorise", None) is factorise:
             module.factorise = counting

@@ -45,3 +45,8 @@ def test_the_normal_equations_are_those_of_the_covariance(covariance):
 def test_white_residuals_have_the_squared_misfit_that_edges_leave():
     for k, (white, r) in enumerate(zip(ERRORS.white(RESIDUALS), RESIDUALS, strict=True)):
         assert white @ white == pytest.approx(r @ np.linalg.solve(of_edges(k), r), rel=1e-12)
+
+
+def test_weighed_columns_are_those_of_the_inverse_covariance(covariance):
+    wanted = np.linalg.solve(covariance, np.concatenate(JACOBIANS))
+    np.testing.assert_allclose(np.concatenate(ERRORS.weighed(JACOBIANS)), wanted, atol=1e-12)

@@ -165,13 +165,13 @@ def cut_sheet():
     test = SeenTest(problem, [1])
     u = problem.equilibrium.extension(np.zeros((len(problem.mesh.cells), 2)))
     states, moves = test.states(field, [u[1]]), field.moves(1.3)
-    return test, field, states, moves, list(test.answers(states, test.loads(field, states, moves), problem.sigma))
+    return test, field, states, moves, list(test.answers(states, test.loads(field, states, moves)))
 
 
 def test_the_jacobian_is_the_derivative_of_the_equilibrium(cut_sheet):
     """By every number of the field, through the finite elements, against differences of solved equilibria."""
-    test, field, states, moves, ((J, *_),) = cut_sheet
-    y, step = field.numbers(moves), 1e-5
+    test, field, states, moves, (answer,) = cut_sheet
+    y, step, J = field.numbers(moves), 1e-5, answer.over(test.sigma)
     chosen = [*range(4), *(4 + np.argsort(-np.abs(J[:, 4:]).max(axis=0))[:3])]
     for number in chosen:
         moved = []

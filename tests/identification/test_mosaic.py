@@ -7,10 +7,13 @@ import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
+from hypernode.identification import mosaic
+from hypernode.identification.contours import options_at_contours
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
+from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
@@ -65,7 +68,9 @@ def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same(n
     assert move in [row["move"] for row in found.trace.rows(found.trial)]
 
 
-def test_cells_that_were_given_the_wrong_material_change_it_at_once():
+@pytest.fixture(scope="module")
+def wrong_cells():
+    """(a test, whole cells some of which are of the wrong material, its states, the right labels)."""
     data, grid, _ = sheet(12, square, LOAD)
     problem = field_problem(data, Constrained(terms=[]))
     inside = square(grid.centres)
@@ -80,8 +85,37 @@ def test_cells_that_were_given_the_wrong_material_change_it_at_once():
     field = Mosaic.of(lines, np.array([[level - 0.2], [level - 0.2 + np.log(2.0)]]), wrong.astype(int))
     test = SeenTest(problem, [0, 1])
     guesses = problem.equilibrium.extension(np.tile(problem.homogeneous.params, (len(wrong), 1)))
-    moved = field.relabelled(test, test.states(field, guesses))
-    assert np.array_equal(moved[0].of_cells, inside)
+    return test, field, test.states(field, guesses), inside
+
+
+@pytest.mark.parametrize("every", [mosaic.ALL, 0])
+def test_cells_that_were_given_the_wrong_material_change_it_at_once(wrong_cells, every, monkeypatch):
+    monkeypatch.setattr(mosaic, "ALL", every)
+    test, field, states, inside = wrong_cells
+    assert np.array_equal(field.relabelled(test, states)[0].of_cells, inside)
+
+
+def test_changes_that_promise_something_are_few_and_the_right_ones_are_among_them(wrong_cells):
+    test, field, states, inside = wrong_cells
+    options = options_at_contours(test.problem.mesh, field.of_cells)
+    loads = [
+        field._loads(test.sheet.cell_response(u, of), of, options)
+        for u, _, _ in states
+        for of in [field._half_way(options)]
+    ]
+    some = promising(test, states, loads, np.zeros(len(options.cell)))
+    wrong = np.flatnonzero(field.of_cells != inside)
+    assert np.isin(wrong, options.cell[some]).all()
+    assert some.sum() < 0.7 * len(some)
+
+
+def test_the_adjoint_is_the_transposed_jacobian(wrong_cells):
+    test, field, states, _ = wrong_cells
+    loads, random = test.loads(field, states, []), np.random.default_rng(0)
+    jacobians = [answer.over(0.1) for answer in test.answers(states, loads)]
+    columns = [random.normal(size=(len(J), 3)) for J in jacobians]
+    wanted = sum(J.T @ each for J, each in zip(jacobians, columns, strict=True))
+    np.testing.assert_allclose(test.adjoint(states, loads, 0.1, columns), wanted, rtol=1e-9)
 
 
 def test_whole_cells_of_a_coarser_grid_are_where_lines_of_the_measured_one_begin():

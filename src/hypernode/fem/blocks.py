@@ -1,4 +1,4 @@
-"""Compiled functions of many points, called for blocks of one size: what is compiled serves any number of points."""
+"""Compiled functions of many points, called for blocks of one size or two: what is compiled serves any number."""
 
 from collections.abc import Callable
 
@@ -7,6 +7,8 @@ import numpy as np
 
 #: Points in a compiled call: enough that a call costs more than to begin it, and few where lines cut few cells.
 BLOCK = 512
+#: The same of large sheets, of which there are so many blocks at least: what takes least time a point.
+LARGE, LEAST_LARGE = 8192, 4
 
 
 def in_blocks(function: Callable, *given: np.ndarray):
@@ -17,9 +19,10 @@ def in_blocks(function: Callable, *given: np.ndarray):
         given: the arrays.
     """
     count, found = given[0].shape[-1], []
-    for first in range(0, max(count, 1), BLOCK):
-        block = [each[..., first : first + BLOCK] for each in given]
-        if missing := BLOCK - block[0].shape[-1]:
+    size = LARGE if count >= LEAST_LARGE * LARGE else BLOCK
+    for first in range(0, max(count, 1), size):
+        block = [each[..., first : first + size] for each in given]
+        if missing := size - block[0].shape[-1]:
             block = [np.concatenate([each, _filling(each, missing)], axis=-1) for each in block]
         found.append(function(*block))
     return jax.tree.map(

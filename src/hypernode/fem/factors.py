@@ -13,6 +13,7 @@ from cholespy import CholeskySolverD, MatrixType
 from jaxtyping import Float
 
 from hypernode.fem.block_factors import BlockFactors
+from hypernode.fem.nested_factors import NestedFactors
 
 #: Of SuperLU for symmetric matrices: pivots must not disturb their ordering, and those that are positive definite need
 #: none, so that their factors are those of Cholesky.
@@ -21,6 +22,8 @@ SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options":
 
 #: Columns from which factors that solve for many at once pay for being made, and how many they solve for at once.
 MANY, AT_ONCE = 64, 128
+#: Unknowns from which nested dissection takes less time than blocks: of 70 x 70 cells.
+NESTED = 10_000
 #: Memory up to which they are factors by blocks [bytes]: of 200 x 200 cells.
 MOST_OF_BLOCKS = 640 * 2**20
 
@@ -28,12 +31,15 @@ MOST_OF_BLOCKS = 640 * 2**20
 class CholeskyFactors:
     """Cholesky factors of a sparse symmetric positive definite matrix, of which the lower triangle is read.
 
+    Args:
+        places: of the unknowns in a sheet, where they are known.
+
     Raises:
         ArithmeticError: the matrix is not positive definite.
     """
 
-    def __init__(self, matrix: scipy.sparse.spmatrix):
-        self._matrix = matrix
+    def __init__(self, matrix: scipy.sparse.spmatrix, places: Float[np.ndarray, "n 2"] | None = None):
+        self._matrix, self._places = matrix, places
         lower = scipy.sparse.tril(matrix).tocoo()
         rows, columns = (cvxopt.matrix(each.astype(np.int64)) for each in (lower.row, lower.col))
         entries = cvxopt.spmatrix(cvxopt.matrix(lower.data), rows, columns, matrix.shape)
@@ -56,6 +62,8 @@ class CholeskyFactors:
         """A solve that takes many columns at once, where that of CVXOPT takes one after the other."""
         # Where a sheet is about to buckle, rounding decides whether a matrix counts as positive definite.
         with contextlib.suppress(np.linalg.LinAlgError):
+            if self._places is not None and len(self._places) >= NESTED:
+                return NestedFactors(self._matrix, self._places).solve
             if blocks := BlockFactors.of_band(self._matrix, MOST_OF_BLOCKS):
                 return blocks.solve
         lower = scipy.sparse.tril(self._matrix, format="csc")
@@ -69,17 +77,31 @@ class CholeskyFactors:
 
         return solve
 
-    def _of_many(self, b: Float[np.ndarray, "n column"]) -> Float[np.ndarray, "n column"]:
+    def solve_sparse(self, b: scipy.sparse.csc_matrix) -> Float[np.ndarray, "n column"]:
+        """A^-1 of sparse columns, of which only some at a time are made dense."""
+        return self._of_many(b) if b.shape[1] >= MANY else self.solve(b.toarray())
+
+    def _of_many(self, b) -> Float[np.ndarray, "n column"]:
         found = np.empty(b.shape)
         for first in range(0, b.shape[1], AT_ONCE):
-            found[:, first : first + AT_ONCE] = self._columns(b[:, first : first + AT_ONCE])
+            some = b[:, first : first + AT_ONCE]
+            found[:, first : first + AT_ONCE] = self._columns(some.toarray() if scipy.sparse.issparse(b) else some)
         return found
 
 
-def factorise(matrix: scipy.sparse.spmatrix) -> CholeskyFactors | scipy.sparse.linalg.SuperLU:
-    """Factors of a symmetric matrix, with a method ``solve``."""
+#: What :func:`factorise` makes.
+Factors = CholeskyFactors | scipy.sparse.linalg.SuperLU
+
+
+def factorise(matrix: scipy.sparse.spmatrix, places: Float[np.ndarray, "n 2"] | None = None) -> Factors:
+    """Factors of a symmetric matrix, with a method ``solve``.
+
+    Args:
+        matrix: of n unknowns.
+        places: of the unknowns in a sheet, where they are known. Of a large one many columns are then solved faster.
+    """
     try:
-        return CholeskyFactors(matrix)
+        return CholeskyFactors(matrix, places)
     except ArithmeticError:
         # A sheet that buckles has a tangent like that.
         return scipy.sparse.linalg.splu(matrix.tocsc(), **SYMMETRIC)

@@ -27,6 +27,11 @@ class Options:
     label: Int[np.ndarray, " option"]
     pairs: Int[np.ndarray, "pair 2"]
 
+    def those(self, some: Bool[np.ndarray, " option"]) -> "Options":
+        """Some of them."""
+        number = np.cumsum(some) - 1
+        return Options(self.cell[some], self.label[some], number[self.pairs[some[self.pairs].all(axis=1)]])
+
 
 def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options:
     """Every cell that touches another phase, at a side or a corner, may have the label of that phase."""

@@ -87,7 +87,11 @@ class SharedErrors:
     def normal(self, jacobians: Iterable[np.ndarray], residuals: Sequence[np.ndarray]):
         """(J^T C^-1 J, J^T C^-1 r)."""
         curvature = gradient = by_loads = through = 0.0
-        for k, (J, r) in enumerate(zip(jacobians, residuals, strict=True)):
+        steps, J = iter(jacobians), None
+        for k, r in enumerate(residuals):
+            # That of one step takes memory enough while the next is made.
+            del J
+            J = next(steps)
             half, half_r = self._half(k, self._by_edges(k, J)), self._half(k, self._by_edges(k, r))
             curvature = curvature + J.T @ J - half.T @ half
             gradient = gradient + J.T @ r - half.T @ half_r
@@ -96,6 +100,20 @@ class SharedErrors:
             through = through + r[first:] @ E - half_r @ of_loads
         solved = np.linalg.solve(self._of_loads[1], np.concatenate([by_loads.T, through[:, None]], axis=1))
         return curvature - by_loads @ solved[:, :-1], gradient - by_loads @ solved[:, -1]
+
+    def weighed(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """C^-1 of columns of residuals, by step (residual, column)."""
+        halves = [self._half(k, self._by_edges(k, r)) for k, r in enumerate(residuals)]
+        each = zip(residuals, halves, self.answers, self.loads, self._of_loads[0], strict=True)
+        through = sum(E.T @ r[len(a.u) :] - of_loads.T @ half for r, half, a, E, of_loads in each)
+        by_loads, found = np.linalg.solve(self._of_loads[1], through), []
+        for k, (r, half, a, E) in enumerate(zip(residuals, halves, self.answers, self.loads, strict=True)):
+            by_edges = half - self._of_loads[0][k] @ by_loads
+            taken = scipy.linalg.solve_triangular(self._factors[k][0], by_edges, lower=True, trans=1)
+            left = r - np.concatenate([a.u @ taken / self.sigma, a.f @ taken])
+            left[len(a.u) :] -= E @ by_loads
+            found.append(left)
+        return found
 
     def white(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Residuals of each step, transformed to unit variance; correlation by load cells remains."""

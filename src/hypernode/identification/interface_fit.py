@@ -135,25 +135,20 @@ class InterfaceFit:
                 break
         return self._fit(field, states, ending, history)
 
-    def _followed(self, field: Interfaces, states, sigma: float) -> Derivatives:
+    def _followed(self, field: Interfaces, states) -> Derivatives:
         """Derivatives at a field."""
         moves, test = self.moves(field), self.test
-        answers = list(test.answers(states, test.loads(field, states, moves), sigma))
-        jacobians = [answer.J for answer in answers]
-        if self._finds:
-            columns = test.by_window(states, sigma)
-            jacobians = [np.concatenate(each, axis=1) for each in zip(jacobians, columns, strict=True)]
-        return Derivatives(moves, sigma, answers, jacobians)
+        answers = list(test.answers(states, test.loads(field, states, moves)))
+        return Derivatives(moves, answers, test.by_window(states, 1.0) if self._finds else None)
 
     def _step(self, field: Interfaces, states, sigma: float):
         """((field, states) after a step that lowers the cost, or None; cost before; by how much it fell, or should)."""
         test, fresh = self.test, self._model is None
-        model = self._followed(field, states, sigma) if fresh else self._model
+        model = self._followed(field, states) if fresh else self._model
         numbers, self._model, self._latest = self._numbers(field, model.moves), None, model
         shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
         before = 0.5 * shared.squared(residuals) + numbers.prior(numbers.y)
-        jacobians = model.over(sigma, [len(b.seen) for b in test.boundaries])
-        curvature, gradient = shared.normal(jacobians, residuals)
+        curvature, gradient = shared.normal(model.over(sigma), residuals)
         curvature = curvature + numbers.held.toarray()
         gradient = gradient + numbers.slope(numbers.y)
         if self._finds:
@@ -185,7 +180,7 @@ class InterfaceFit:
 
     def _fit(self, field: Interfaces, states, ending: Ending, history) -> Fit:
         test = self.test
-        model = self._latest or self._followed(field, states, test.sigma)
+        model = self._latest or self._followed(field, states)
         numbers = numbers_of(test.problem, field, model.moves, None)
         shared, residuals = test.shared(states, test.sigma, anew=self._measures), test.residuals(states, test.sigma)
         white, total = shared.white(residuals), shared.squared(residuals)
@@ -224,8 +219,9 @@ class InterfaceFit:
     def _determined(self, numbers: Numbers, model: Derivatives, shared, left: Left):
         """(how many numbers data determine, of materials alone, covariance of these), as displacements leave them."""
         sigma, count = shared.sigma * max(left.level * float(np.sqrt(left.inflation)), 1.0), len(numbers.y)
-        jacobians = [J[:, :count] for J in model.over(sigma, [len(b.seen) for b in self.test.boundaries])]
-        curvature, _ = dataclasses.replace(shared, sigma=sigma).normal(jacobians, [np.zeros(len(J)) for J in jacobians])
+        nothing = [np.zeros(len(b.seen) + len(f)) for b, f in zip(self.test.boundaries, self.test.forces, strict=True)]
+        jacobians = (J[:, :count] for J in model.over(sigma))
+        curvature, _ = dataclasses.replace(shared, sigma=sigma).normal(jacobians, nothing)
         of_law, held = np.arange(count) < numbers.of_materials, numbers.held.toarray()
         held[np.diag_indices_from(held)] += np.where(of_law, 0.0, numbers.floor)
 

@@ -1,14 +1,15 @@
 """The numbers of a field of materials and lines: their values, what is known of them without data, their bounds."""
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
+from hypernode.identification.answers import Answer
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.seen_test import Answer
 from hypernode.identification.straight_steps import straight
 from hypernode.mechanics.convex_basis import ConvexBasis
 
@@ -64,26 +65,20 @@ class Derivatives:
 
     Attributes:
         moves: how the distances from each line follow when its points move.
-        sigma: by which residuals of displacements were divided.
         answers: to the numbers of materials and lines, by step.
-        jacobians: with the window, where it is a number, by step (residual, number).
+        by_window: derivatives of displacements by the side of the window, where it is a number, by step
+            (residual, 1).
     """
 
     moves: list
-    sigma: float
     answers: list[Answer]
-    jacobians: list[np.ndarray]
+    by_window: list[np.ndarray] | None
 
-    def over(self, sigma: float, displacements: list[int]) -> list[np.ndarray]:
-        """The same for another uncertainty of the displacements, of which there are so many by step."""
-        if sigma == self.sigma:
-            return self.jacobians
-        found = []
-        for J, count in zip(self.jacobians, displacements, strict=True):
-            J = J.copy()
-            J[:count] *= self.sigma / sigma
-            found.append(J)
-        return found
+    def over(self, sigma: float) -> Iterator[Float[np.ndarray, "residual number"]]:
+        """Derivative of the residuals of one step after the other, of displacements over ``sigma``."""
+        for k, answer in enumerate(self.answers):
+            J = answer.over(sigma)
+            yield J if self.by_window is None else np.concatenate([J, self.by_window[k] / sigma], axis=1)
 
 
 def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Float[np.ndarray, " bend"]]]:

@@ -154,8 +154,17 @@ class Search:
         """
         if self._coarse or not self._exact or beside is None:
             return None
-        mosaic = MosaicSearch(self._trials, self._moves.steps).end(one, beside)
+        coarser = self._contours if self._many_cells else None
+        mosaic = MosaicSearch(self._trials, self._moves.steps).end(one, beside, coarser)
         return None if mosaic is None or mosaic.leaves_more_than_noise else mosaic
+
+    def _contours(self, count: int) -> Candidate | None:
+        """Whole cells of so many materials on every second line of the grid, from coarser grids on."""
+        search = self._coarser
+        if search._one is None:
+            return None
+        cells, coarser = MosaicSearch(search._trials, search._moves.steps), search._many_cells
+        return cells.contours(search._one, search._beside, count, search._contours if coarser else None)
 
     @property
     def _exact(self) -> bool:

@@ -16,6 +16,8 @@ from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 FAR_STEPS = 20
 #: How many of the terms that may join are tried, those first that promise most.
 TERMS_TRIED = 2
+#: More terms than there are.
+MOST_TERMS = 99
 #: Terms that contain the thickness, which J leaves open.
 OF_THICKNESS = ("I2", "ogden")
 #: Parameter of fibres that says nothing where they have no strength.
@@ -41,13 +43,18 @@ class LawSearch:
         self._trials, self._steps, self._finds = trials, steps, finds_window
         self._settled = settled or self._lines_again
 
-    def end(self, kept: Candidate) -> Candidate:
+    def end(self, kept: Candidate, most: int = MOST_TERMS) -> Candidate:
         """Add terms one after the other as long as the score improves; the lines are fitted again.
 
         Of the terms that promise to improve it, the two that promise most are tried, and the better one is kept. The
         other one may be better still with a further term. That is tried too, where the further term promises it.
+
+        Args:
+            most: how often terms may join.
         """
-        while not kept.leaves_nothing:
+        for _ in range(most):
+            if kept.leaves_nothing:
+                break
             # Near noise the linear model is exact.
             begun = self._next(kept, 0.0 if kept.leaves_more_than_noise else EVIDENCE)
             tried = self._followed(begun)

@@ -15,6 +15,7 @@ from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import ContourModel, Options, at_contours, options_at_contours, relabelled
 from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials, CellResponse
 
@@ -27,6 +28,8 @@ GAIN = 0.5
 SHARES = (1.0, 0.5, 0.25, 0.1)
 #: How many of these changes are tried alone.
 ALONE = 3
+#: Changes up to which all are asked, whatever they promise: of 50 x 50 cells.
+ALL = 800
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -117,32 +120,42 @@ class Mosaic(Interfaces):
 
     def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
         """The misfit by options, as a quadratic form whose materials follow."""
+        some = np.ones(len(options.cell), bool)
+        if len(some) > ALL:
+            loads = self._loads_at(test, [u for u, _, _ in states], options)
+            some = promising(test, states, loads, self._dearer(options))
+        if not some.any():
+            return None
         half_way = self._half_way(options)
         tolerance, between = test.problem.strategy.newton_tolerance, []
         for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
             between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
         if any(each is None for each in between):
             return None
-        sigma = test.sigma_of(states)
-        loads = [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in between]
-        answers = (answer.J for answer in test.answers(between, loads, sigma))
-        curvature, gradient = test.shared(states, sigma).normal(answers, test.residuals(states, sigma))
-        count = len(options.cell)
+        columns = np.append(some, np.ones(self.materials.size, bool))
+        loads = [each[:, columns] for each in self._loads_at(test, [u for u, _, _ in between], options)]
+        options = options.those(some)
+        sigma, count = test.sigma_of(states), len(options.cell)
+        jacobians = test.jacobians(between, loads, sigma)
+        curvature, gradient = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
         own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
-        across = curvature[:count, count:]
-        gradient, curvature = (
-            gradient[:count] - across @ follow[:, -1],
-            curvature[:count, :count] - across @ follow[:, :-1],
-        )
-        sides = _sides(self.lines.grid.mesh)
-        if self.given is not None:
-            sides, given = 0.0 * sides, self.given[options.cell]
-            away, now = options.label != given, self.of_cells[options.cell] != given
-            gradient = gradient + self._change * (away.astype(float) - now)
+        across, sides = curvature[:count, count:], _sides(self.lines.grid.mesh)
         return ContourModel(
-            options=options, gradient=gradient, curvature=curvature, lengths=sides, between=1.0 - np.eye(self.count)
+            options=options,
+            gradient=gradient[:count] - across @ follow[:, -1] + self._dearer(options),
+            curvature=curvature[:count, :count] - across @ follow[:, :-1],
+            lengths=sides if self.given is None else 0.0 * sides,
+            between=1.0 - np.eye(self.count),
         )
+
+    def _dearer(self, options: Options) -> Float[np.ndarray, " option"]:
+        """What each option costs beside the length of contours: to be another label than was given, or none."""
+        if self.given is None:
+            return np.zeros(len(options.cell))
+        given = self.given[options.cell]
+        away, now = options.label != given, self.of_cells[options.cell] != given
+        return self._change * (away.astype(float) - now)
 
     def _half_way(self, options: Options) -> CellMaterials:
         """Cells that may change as mixtures of all that they may be, in equal parts; the options come first."""
@@ -163,6 +176,11 @@ class Mosaic(Interfaces):
             weight=weight,
             factor=np.ones(len(self.of_cells)),
         )
+
+    def _loads_at(self, test: SeenTest, u, options: Options) -> list[scipy.sparse.csr_matrix]:
+        """:meth:`_loads` by step, whose displacements are given, with changes half-way."""
+        of = self._half_way(options)
+        return [self._loads(test.sheet.cell_response(each, of), of, options) for each in u]
 
     def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the options, then by the materials, row by row."""

@@ -1,20 +1,26 @@
 """Of which materials whole cells are: counts, contours and law, each step for a stated reason."""
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 
 from hypernode.fem.transfer import transfer
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
-from hypernode.identification.law_search import LawSearch
+from hypernode.identification.law_search import MOST_TERMS, LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.parting import MOST
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import FAR, Trials
+from hypernode.verdict import Ending
 
+#: From how many materials there are to whole cells of them on a coarser grid.
+Contours = Callable[[int], Candidate | None]
 #: How often contours move at most.
 ROUNDS = 10
+#: Name of the move that goes on with a descent.
+MORE = "the same, more steps"
 #: Ratio of what whole cells leave to what the lines around them leave, up to which single cells may be wrong. Under
 #: noise the few that a line misplaces hardly show.
 NEARLY = 1.2
@@ -30,33 +36,27 @@ class MosaicSearch:
     def __init__(self, trials: Trials, steps: list[int]):
         self._trials, self._steps = trials, steps
 
-    def end(self, begun: Candidate, beside: Beside) -> Candidate | None:
+    def end(self, begun: Candidate, beside: Beside, coarser: Contours | None = None) -> Candidate | None:
         """The likeliest few materials of whole cells; None where the sheet is not made of them.
 
         Args:
             begun: the candidate that leaves what a factor in every cell explains.
             beside: that factor, on top of its materials, on the same grid or a coarser one.
+            coarser: where contours of so many materials settle on a coarser grid.
         """
-        trials, problem, kept = self._trials, begun.problem, None
-        known, lines = beside.known, begun.fit.field.lines
+        trials, known, kept = self._trials, beside.known, None
         if beside.found is None:
             return None
-        to_grid = transfer(known.lines.grid.mesh, lines.grid.mesh).cells
         for count in range(known.count + (known.count == 1), MOST + 1):
-            labels, materials = beside.parts(count)
-            if len(materials) < count:
+            if len(beside.parts(count)[1]) < count:
                 break
-            field = Mosaic.of(lines, materials, labels[to_grid])
-            move = f"cells of {count} materials"
-            found = trials.descend(move, begun, problem, field, begun.u, self._steps, FAR, begun.fit.window)
+            found = self._of_count(begun, beside, count, coarser)
             if found is None:
                 continue
             if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
-            lawful = LawSearch(trials, self._steps, False, self._settled).end(found)
-            # Contours settle with every term that joins.
-            found = self._settled(found) if lawful is found else lawful
+            found = self._lawful(found) if coarser is None else self._lawful(self._plainer(self._settled(found)))
             if kept is not None:
                 gain = found.gain_over(kept)
                 better, worse = (found, kept) if gain > EVIDENCE else (kept, found)
@@ -67,6 +67,44 @@ class MosaicSearch:
             if not kept.leaves_more_than_noise:
                 break
         return kept
+
+    def contours(self, begun: Candidate, beside: Beside, count: int, coarser: Contours | None) -> Candidate | None:
+        """Whole cells of so many materials once their contours are settled; None where there are none.
+
+        The coarsest grid tells the first term of the law. Further ones would pay for what its elements miss.
+
+        Args:
+            begun, beside, coarser: of :meth:`end`.
+        """
+        if beside.found is None or len(beside.parts(count)[1]) < count:
+            return None
+        found = self._of_count(begun, beside, count, coarser)
+        if found is None:
+            return None
+        return self._lawful(found, 1) if coarser is None else self._settled(found)
+
+    def _of_count(self, begun: Candidate, beside: Beside, count: int, coarser: Contours | None) -> Candidate | None:
+        """Whole cells of so many materials, by what a coarser grid tells or by levels of the factor."""
+        lines, problem, u = begun.fit.field.lines, begun.problem, begun.u
+        known = coarser(count) if coarser else None
+        if known is None:
+            (labels, materials), grid = beside.parts(count), beside.known.lines.grid.mesh
+        else:
+            labels, materials, grid = known.fit.field.of_cells, known.fit.field.materials, known.problem.mesh
+            problem, to_mesh = self._trials.with_terms(begun, known.terms), transfer(grid, problem.mesh).nodes
+            u = {step: to_mesh @ each for step, each in known.u.items()}
+        field = Mosaic.of(lines, materials, labels[transfer(grid, lines.grid.mesh).cells])
+        move = f"cells of {count} materials"
+        return self._trials.descend(move, begun, problem, field, u, self._steps, FAR, begun.fit.window)
+
+    def _lawful(self, kept: Candidate, most: int = MOST_TERMS) -> Candidate:
+        """The same with the terms of the law that pay. Contours settle with every term that joins."""
+        found = LawSearch(self._trials, self._steps, False, self._settled).end(kept, most)
+        return self._settled(kept) if found is kept else found
+
+    def _plainer(self, kept: Candidate) -> Candidate:
+        """The same without terms that paid for what coarser elements miss."""
+        return LawSearch(self._trials, self._steps, False).plainer(kept)
 
     def near(self, kept: Candidate, because: str) -> Candidate | None:
         """Whole cells of the materials that a candidate has there; None without equilibrium.
@@ -108,13 +146,29 @@ class MosaicSearch:
         return best
 
     def _settled(self, kept: Candidate) -> Candidate:
-        """The same once no cell at a contour would rather be of another material."""
+        """The same once no cell at a contour would rather be of another material.
+
+        What is left of displacements that is no more than the solver leaves says nothing of cells.
+        """
         for _ in range(ROUNDS):
-            moved = self._moved(kept)
+            if kept.leaves_nothing:
+                break
+            moved = self._moved(kept) or self._further(kept)
             if moved is None:
                 break
             kept = moved
         return kept
+
+    def _further(self, kept: Candidate) -> Candidate | None:
+        """The same after more steps of a descent that was out of them; None where that was not, or is no better."""
+        if kept.fit.ending is not Ending.OUT_OF_ITERATIONS:
+            return None
+        u, window = kept.u, kept.fit.window
+        found = self._trials.descend(MORE, kept, kept.problem, kept.fit.field, u, self._steps, FAR, window)
+        if found is None or found.gain_over(kept) <= 0.0:
+            return None
+        self._trials.passed_over(kept, "ended early")
+        return found
 
     def _moved(self, kept: Candidate) -> Candidate | None:
         """The same with other labels at contours; None where none explain more."""

@@ -128,7 +128,7 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     numbers = numbers_of(problem, fit.field, fit.field.still, None)
     loads = test.loads(fit.field, fit.states, numbers.moves)
     shared, residuals = (each(fit.states, kept.sigma_left) for each in (test.shared, test.residuals))
-    curvature, _ = shared.normal((each.J for each in test.answers(fit.states, loads, kept.sigma_left)), residuals)
+    curvature, _ = shared.normal(test.jacobians(fit.states, loads, kept.sigma_left), residuals)
     usual = np.zeros(len(numbers.y))
     usual[: numbers.of_materials] = np.tile(np.isin(problem.basis.names, list(AREA)) * USUAL, fit.field.count)
     going = np.flatnonzero(numbers.y > numbers.lowest)

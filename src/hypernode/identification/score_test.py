@@ -138,8 +138,8 @@ class ScoreTest:
             scipy.sparse.hstack([own, field.loads_of_materials(sheet.cell_response(u, of), of)], format="csr")
             for own, (u, _, _) in zip(test.loads(field, states, field.still), states, strict=True)
         ]
-        answers = (each.J for each in test.answers(states, loads, sigma))
-        self._curvature, self._gradient = shared.normal(answers, residuals)
+        jacobians = test.jacobians(states, loads, sigma)
+        self._curvature, self._gradient = shared.normal(jacobians, residuals)
         # Coefficients at their bound stay there.
         self._free = np.flatnonzero(numbers.y > numbers.lowest)
         held = numbers.held.toarray()[np.ix_(self._free, self._free)]

@@ -1,13 +1,14 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.fem.factors import factorise
+from hypernode.fem.factors import Factors, factorise
+from hypernode.identification.answers import Answer, adjoint
 from hypernode.identification.coats import Cuts
 from hypernode.identification.errors import EdgeAnswers, SharedErrors
 from hypernode.identification.interfaces import Interfaces
@@ -30,28 +31,6 @@ class OfCells(Protocol):
 
     def cells(self) -> tuple[CellMaterials, Cuts | None]:
         """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
-
-
-class Answer(NamedTuple):
-    """How a step answers to numbers, to first order.
-
-    Attributes:
-        J: derivative of the residuals (residual, number).
-        displacements: derivative of the displacement at free degrees of freedom by numbers that load nodes.
-        some: which numbers do.
-        free: degrees of freedom that equilibrium moves.
-    """
-
-    J: Float[np.ndarray, "residual number"]
-    displacements: Float[np.ndarray, "free some"]
-    some: np.ndarray
-    free: np.ndarray
-
-    def near(self, u: Float[np.ndarray, "node 2"], change: Float[np.ndarray, " number"]) -> Float[np.ndarray, "node 2"]:
-        """Displacement near equilibrium once numbers have changed."""
-        moved = u.copy()
-        moved.ravel()[self.free] += self.displacements @ change[self.some]
-        return moved
 
 
 class SeenTest:
@@ -87,6 +66,8 @@ class SeenTest:
         errors = shared_errors(flat) / np.array([f.sigma for f in flat])[:, None] if flat else np.zeros((0, 1))
         self._loads = np.split(errors, np.cumsum([len(each) for each in self.forces])[:-1]) if steps else []
         self._answers = edges
+        #: (tangent, factors) of every step where its derivatives were asked for last.
+        self._latest: dict[int, tuple] = {}
         self.step = observations.grid.step
         self.see_through(observations.window / self.step if window is None else window)
 
@@ -135,9 +116,10 @@ class SeenTest:
     def states(self, field: OfCells, guesses) -> list | None:
         """Equilibrium of every step near guesses of the displacement; None where there is none."""
         (of, _), found = field.cells(), []
-        for guess, boundary in zip(guesses, self.boundaries, strict=True):
-            tolerance = self.problem.strategy.newton_tolerance
-            reached = self.sheet.equilibrium(guess, boundary.free, of, tolerance)
+        tolerance = self.problem.strategy.newton_tolerance
+        for k, (guess, boundary) in enumerate(zip(guesses, self.boundaries, strict=True)):
+            _, near = self._latest.get(k, (None, None))
+            reached = self.sheet.equilibrium(guess, boundary.free, of, tolerance, near)
             if reached is None:
                 return None
             found.append(reached)
@@ -170,32 +152,50 @@ class SeenTest:
     def shared(self, states, sigma: float, anew: bool = False) -> SharedErrors:
         """What residuals share; how edges are answered is followed again only where ``anew``."""
         if self._answers is None or anew:
-            self._answers = [self._edge_answers(*each) for each in self._of_steps(states)]
+            self._answers = [self._edge_answers(k, *each) for k, each in enumerate(self._of_steps(states))]
         return SharedErrors(self._answers, self._loads, sigma)
 
-    @staticmethod
-    def _edge_answers(state, boundary, observe, forces) -> EdgeAnswers:
+    def _edge_answers(self, step: int, state, boundary, observe, forces) -> EdgeAnswers:
         K, free = state[2], boundary.free
-        rows, du = K[free], boundary.errors.toarray()
-        du[free] = -factorise(rows[:, free]).solve((rows @ boundary.errors).toarray())
+        du = boundary.errors.toarray()
+        du[free] = -self._factors(step, K, free).solve((K[free] @ boundary.errors).toarray())
         of_f = [(K @ f.direction / f.sigma) @ du for f in forces]
         seen = observe @ du
         return EdgeAnswers(seen, np.array(of_f).reshape(len(forces), -1), seen.T @ seen)
 
     # Derivatives.
 
-    def answers(self, states, loads, sigma: float) -> Iterator[Answer]:
+    def answers(self, states, loads) -> Iterator[Answer]:
         """How one step after the other answers to numbers whose load on the nodes is given."""
-        for ((_, _, K), boundary, observe, forces), load in zip(self._of_steps(states), loads, strict=True):
-            # Numbers that load nothing, as distances beside no cut cell, change nothing.
-            some, free = np.flatnonzero(np.diff(load.tocsc().indptr)), boundary.free
-            J = np.zeros((observe.shape[0] + len(forces), load.shape[1]))
-            load = load[:, some]
-            du = -factorise(K[free][:, free]).solve(load[free].toarray())
-            J[: observe.shape[0], some] = (observe[:, free] / sigma) @ du
-            for row, f in zip(J[observe.shape[0] :], forces, strict=True):
-                row[some] = (load.T @ f.direction + (K @ f.direction)[free] @ du) / f.sigma
-            yield Answer(J, du, some, free)
+        for k, ((_, _, K), boundary, observe, forces) in enumerate(self._of_steps(states)):
+            free = boundary.free
+            yield Answer.of(self._factors(k, K, free), K, loads[k], free, observe, forces)
+
+    def jacobians(self, states, loads, sigma: float) -> Iterator[Float[np.ndarray, "residual number"]]:
+        """Derivative of the residuals by numbers, of one step after the other: of :meth:`answers`, not kept."""
+        for k, ((_, _, K), boundary, observe, forces) in enumerate(self._of_steps(states)):
+            free = boundary.free
+            yield Answer.of(self._factors(k, K, free), K, loads[k], free, observe, forces).over(sigma)
+
+    def adjoint(self, states, loads, sigma: float, residuals) -> Float[np.ndarray, "number column"]:
+        """J^T of columns of the residuals of all steps.
+
+        Args:
+            loads: derivative of the nodal forces by the numbers, by step.
+            residuals: by step (residual, column).
+        """
+        return sum(
+            adjoint(self._factors(k, K, b.free), K, loads[k], b.free, observe / sigma, forces, residuals[k])
+            for k, ((_, _, K), b, observe, forces) in enumerate(self._of_steps(states))
+        )
+
+    def _factors(self, step: int, K, free) -> Factors:
+        """Factors of the free tangent of a step; the latest of each step are kept."""
+        known, factors = self._latest.get(step, (None, None))
+        if known is not K:
+            factors = factorise(K[free][:, free], self.problem.mesh.nodes[free // 2])
+            self._latest[step] = K, factors
+        return factors
 
     def loads(self, field: Interfaces, states, moves) -> list[scipy.sparse.csr_matrix]:
         """Derivative of the nodal forces by the numbers of a field, by step."""

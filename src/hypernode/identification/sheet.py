@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float, Int
 
-from hypernode.fem.factors import factorise
+from hypernode.fem.factors import Factors, factorise
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Pieces
 from hypernode.identification.laminates import Jumps, LaminateStress, laminate
@@ -14,6 +14,9 @@ from hypernode.identification.points import Points
 
 #: Newton steps to equilibrium at most, halves of them included.
 STEPS = 20
+#: Share of the residual that a step with old factors may leave before new ones are made, and share of the tolerance
+#: that the last one may.
+SLOW, CLOSER = 0.1, 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,10 +173,15 @@ class Sheet:
         by_number = {"by_weight": by_weight[..., 0], "by_share": by_share[..., 0]}
         return {"by_first": by_first, "by_second": by_second, "by_normal": by_normal, **by_number}
 
-    def equilibrium(self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float):
+    def equilibrium(
+        self, guess: Float[np.ndarray, "node 2"], free, of: CellMaterials, tolerance: float, near: Factors | None = None
+    ):
         """(displacement, nodal forces, tangent) in equilibrium near a guess; None where Newton's method finds none.
 
         A step that leaves more than there was is halved: a compliant cell beside a stiff one would turn inside out.
+
+        Args:
+            near: factors of the free tangent of a state near by. They serve as long as every step leaves little.
         """
         u, jumps, left, step = guess.copy(), None, np.inf, None
         fixed = np.setdiff1d(np.arange(u.size), free)
@@ -183,19 +191,23 @@ class Sheet:
             if not size < left:
                 if step is None:
                     return None
-                step = 0.5 * step
-                u = u + step
+                if near is None:
+                    step = 0.5 * step
+                    u = u + step
+                else:
+                    u, left, step, near = u + step, np.inf, None, None
                 continue
+            near = None if size > SLOW * left else near
             jumps, left = reached, size
             size = size / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
-            if size <= tolerance:
+            if size <= tolerance * (1.0 if near is None else CLOSER):
                 return u, force, K
             step = np.zeros(u.size)
-            step[free] = factorise(K[free][:, free]).solve(force[free])
+            step[free] = (near or factorise(K[free][:, free])).solve(force[free])
             step = step.reshape(u.shape)
             u = u - step
-            # A step leaves about the square of a small residual.
-            if size**2 <= tolerance:
+            # A step with its own factors leaves about the square of a small residual.
+            if near is None and size**2 <= tolerance:
                 return u, force - K @ step.ravel(), K
         return None
 

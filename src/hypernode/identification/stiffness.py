@@ -177,8 +177,8 @@ class CellDescent:
             convex = number < CONVEX_STEPS
             sigma = test.sigma_of(states, sigma)
             shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
-            answers = list(test.answers(states, self._loads(field, states, members), sigma))
-            curvature, gradient = shared.normal([answer.J for answer in answers], residuals)
+            answers = list(test.answers(states, self._loads(field, states, members)))
+            curvature, gradient = shared.normal((answer.over(sigma) for answer in answers), residuals)
             before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
             step = np.clip(self._step(curvature, gradient, values, members, convex), -LARGEST_STEP, LARGEST_STEP)
             moved = None
