@@ -60,5 +60,5 @@ def measurement(mesh: Mesh, F, edge_force, prescribed, thickness: float = 1.0, r
             "noise_level": (("load_step", "i"), np.zeros((steps, 2))),
             "relative_thickness": ("cell", np.ones(len(mesh.cells))),
         },
-        attrs={"thickness": thickness},
+        attrs={"thickness": thickness, "outline": "edge"},
     )
