@@ -30,7 +30,7 @@ from hypernode.prediction.score import score
 from hypernode.storage.netcdf import read
 from hypernode.storage.schema import without_truth
 
-METHOD = "hypernode_printed"
+METHOD = "hypernode"
 SHEET, SOFT, STIFF = "stiff2_hetero", "soft_homo", "stiff2_homo"
 #: Side of the sheet [mm].
 SIDE = 40.0

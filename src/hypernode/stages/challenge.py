@@ -25,7 +25,7 @@ from hypernode.stages.imported_sheet import attributes_of, variables_of
 from hypernode.storage.netcdf import EXPERIMENT_UNITS, read, write
 
 #: Thickness of every sheet of the challenge [mm], and the method that identifies it.
-THICKNESS, METHOD = 2.0, "hypernode_printed"
+THICKNESS, METHOD = 2.0, "hypernode"
 #: Stretch along the pull under which stiffnesses are compared, as of an incompressible strip: a pull tells
 #: little of what an equal stretch both ways would meet.
 STRETCH = 1.05
