@@ -104,8 +104,7 @@ def watch(clock: Clock, counts: dict) -> list[tuple[float, float]]:
         if getattr(module, "factorise", None) is factorise:
             module.factorise = counting
     cg, step, sheet = deflated_cg.DeflatedCG, sensitivities.StepJacobian, solver.EquilibriumSolver
-    for name in ("solve", "solve_columns"):
-        setattr(cg, name, clock.timed(getattr(cg, name), "cg", counts, "cg_runs"))
+    cg.solve = clock.timed(cg.solve, "cg", counts, "cg_runs")
     step.curvature = clock.timed(step.curvature, "cg", counts, "cg_products")
     sheet.tangent = clock.timed(sheet.tangent, "assembly", counts, "tangents")
     sheet.internal_force = clock.timed(sheet.internal_force, "assembly", counts, "evaluations")

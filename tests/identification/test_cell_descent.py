@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.stiffness import ByCell, CellDescent
 
@@ -14,7 +15,7 @@ MESH = rectilinear(np.arange(9.0), np.arange(9.0))
 def descent(misfits):
     """A descent whose parts end with these misfits, one after the other."""
     test = SimpleNamespace(sheet=SimpleNamespace(mesh=MESH))
-    found, left = CellDescent(test, SimpleNamespace(cells=lambda: (None, None)), 1.0, [0]), list(misfits)
+    found, left = CellDescent(test, SimpleNamespace(cells=lambda: (None, None)), Constrained(), [0]), list(misfits)
     found._descend = lambda values, guesses, groups, *_: ByCell(values, [], left.pop(0), groups)
     return found, left
 

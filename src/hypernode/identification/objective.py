@@ -21,14 +21,13 @@ class Step(NamedTuple):
     Attributes:
         change: of the parameters, flattened.
         gradient_norm: of the objective by the parameters, where it is linearised.
-        cg_residual, cg_iterations: where conjugate gradients ended: relative residual, and how many iterations.
+        cg_residual: relative residual where conjugate gradients ended.
         deflation: directions for the next step.
     """
 
     change: np.ndarray
     gradient_norm: float
     cg_residual: float
-    cg_iterations: int
     deflation: np.ndarray | None
 
 
@@ -97,11 +96,11 @@ class Objective:
         """Gradient of the share of displacements and forces in :meth:`value` by the parameters, flattened."""
         return linear.adjoint(np.concatenate(self.residuals(states, linear.sigma, linear)))
 
-    def gauss_newton(self, linear: Jacobian, params, states, damping: float, explained: bool, deflation) -> Step:
+    def gauss_newton(self, linear: Jacobian, params, states, damping: float, deflation) -> Step:
         """Step of a damped Gauss-Newton iteration from the field of ``linear``, by conjugate gradients.
 
         Args:
-            explained: whether the displacements are already explained, so that the step may be looser.
+            damping: added to the curvature by every parameter.
             deflation: what the step before left, or None.
         """
         strategy = self.strategy
@@ -116,11 +115,9 @@ class Objective:
             deflation=deflation,
             strategy=strategy,
         )
-        iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]
-        solution = system.solve(-gradient, strategy.cg_tolerance[int(explained)], iterations)
-        change = system.to_params(solution.x)
+        solution = system.solve(-gradient, strategy.cg_tolerance, strategy.cg_iterations)
         norm = float(np.linalg.norm(gradient))
-        return Step(change, norm, solution.residual, solution.iterations, solution.deflation)
+        return Step(system.to_params(solution.x), norm, solution.residual, solution.deflation)
 
     def precision(self, curvature: Callable, params, deflation=None) -> "NormalEquations":
         """Systems with the inverse covariance of the posterior at a field (Laplace's approximation).
@@ -151,7 +148,7 @@ class Objective:
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
             disturbed += block_diagonal(B).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.sample_iterations, learn=False)
+            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.cg_iterations, learn=False)
             fields.append(params + system.to_params(solution.x).reshape(params.shape))
         return np.array(fields)
 
@@ -172,7 +169,7 @@ class Objective:
         signs = np.random.default_rng(0).choice([-1.0, 1.0], linear.shape[0])
         load = linear.adjoint(signs)
         system = self.precision(linear.curvature, params, deflation)
-        solved = system.solve(load, strategy.trace_tolerance, strategy.sample_iterations, learn=False)
+        solved = system.solve(load, strategy.sample_tolerance, strategy.cg_iterations, learn=False)
         return float(load @ system.to_params(solved.x))
 
     def _jump_roots(self, params):

@@ -99,7 +99,7 @@ class Parting:
         """Numbers of every cell that explain the largest steps of a test."""
         trials, steps = self.trials, self._largest(problem)
         test = SeenTest(problem, steps, begun.fit.window if self.finds_window else None)
-        descent = CellDescent(test, known, trials.settings.regulariser_weight, columns)
+        descent = CellDescent(test, known, trials.settings, columns)
         found = Beside(problem, known, columns, descent, None, steps, begun.u)
         found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts, others))
         self._tell(found, "blocks of cells")

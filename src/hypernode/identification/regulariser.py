@@ -36,6 +36,44 @@ class JumpCost:
         """What jumps of these sizes cost, each over a unit of length."""
         return size if self.scale is None else self.scale * np.log1p(size / self.scale)
 
+    def weight(self, size: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+        """Weight of half the square of a jump of this size, whose slope is that of the cost."""
+        return 1.0 / size / (1.0 if self.scale is None else 1.0 + size / self.scale)
+
+
+class Jumps:
+    """Jumps between neighbouring cells of a field of some coordinates (cell, coordinate).
+
+    Args:
+        mesh: of the cells.
+        unit: length that counts as one.
+    """
+
+    def __init__(self, mesh: Mesh, unit: float):
+        sides, length, _ = mesh.neighbours()
+        corners, across = mesh.diagonal_neighbours()
+        isotropic = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across])
+        # By whether the sum is isotropic.
+        every = [sides, np.concatenate([sides, corners])]
+        self._difference = [_differences(pairs, len(mesh.cells)) for pairs in every]
+        self._length = [length / unit, isotropic / unit]
+
+    def _sized(self, values, cost: JumpCost):
+        """(jumps (pair, coordinate), their size)."""
+        jumps = self._difference[cost.isotropic] @ values
+        return jumps, np.sqrt((jumps**2).sum(axis=1) + cost.smallest**2)
+
+    def value(self, values: Float[np.ndarray, "cell coordinate"], cost: JumpCost) -> float:
+        """Sum over pairs of neighbours of length x cost of the jump."""
+        _, size = self._sized(values, cost)
+        return float(self._length[cost.isotropic] @ cost.of(size))
+
+    def roots(self, values: Float[np.ndarray, "cell coordinate"], cost: JumpCost):
+        """(D (pair, cell), D values): half the square of D y touches the value from above, for coordinates y."""
+        jumps, size = self._sized(values, cost)
+        root = np.sqrt(self._length[cost.isotropic] * cost.weight(size))
+        return scipy.sparse.diags(root) @ self._difference[cost.isotropic], root[:, None] * jumps
+
 
 def _differences(pairs, cells: int) -> scipy.sparse.csr_matrix:
     """Matrix (pair, cell) that takes cell values to their differences."""
@@ -57,14 +95,7 @@ class Regulariser:
     """
 
     def __init__(self, *, mesh: Mesh, names, unit: float, stiffness: Callable, strategy: Strategy = STRATEGY):
-        sides, length, _ = mesh.neighbours()
-        corners, across = mesh.diagonal_neighbours()
-        isotropic = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / unit
-        cells = len(mesh.cells)
-        # By whether the sum is isotropic.
-        self._pairs = [sides, np.concatenate([sides, corners])]
-        self._difference = [_differences(pairs, cells) for pairs in self._pairs]
-        self._length = [length / unit, isotropic]
+        self._jumps = Jumps(mesh, unit)
         self._share = np.array([strategy.jump_shares.get(name, strategy.default_jump_share) for name in names])
         self._stiffness = stiffness
 
@@ -75,30 +106,9 @@ class Regulariser:
         values[:, 0], derivative[:, 0] = self._stiffness(params)
         return values, derivative
 
-    def _jumps(self, values, cost: JumpCost):
-        """(jumps (pair, coordinate), their size)."""
-        jumps = self._difference[cost.isotropic] @ values
-        return jumps, np.sqrt((jumps**2).sum(axis=1) + cost.smallest**2)
-
     def value(self, params: Float[np.ndarray, "cell parameter"], cost: JumpCost) -> float:
         """The penalty."""
-        _, size = self._jumps(self._coordinates(params)[0], cost)
-        return float(self._length[cost.isotropic] @ cost.of(size))
-
-    def lengths(self, cost: JumpCost) -> scipy.sparse.csr_matrix:
-        """Length of interface between every two cells that count as neighbours (cell, cell), symmetric."""
-        one, other = self._pairs[cost.isotropic].T
-        cells = self._difference[cost.isotropic].shape[1]
-        half = scipy.sparse.csr_matrix((self._length[cost.isotropic], (one, other)), (cells, cells))
-        return (half + half.T).tocsr()
-
-    def between(
-        self, materials: Float[np.ndarray, "phase parameter"], cost: JumpCost
-    ) -> Float[np.ndarray, "phase phase"]:
-        """What a unit of length between cells of two materials costs beyond one between cells that are alike."""
-        values, _ = self._coordinates(materials)
-        size = np.sqrt(((values[:, None] - values) ** 2).sum(axis=-1) + cost.smallest**2)
-        return cost.of(size) - cost.of(np.array(cost.smallest))
+        return self._jumps.value(self._coordinates(params)[0], cost)
 
     def roots(self, params: Float[np.ndarray, "cell parameter"], cost: JumpCost):
         """(R, r, B): with y = B x, y^T R^T R y is a quadratic form that touches the penalty from above.
@@ -107,9 +117,6 @@ class Regulariser:
         penalty's gradient by the parameters is B^T R^T r. All act on flattened fields.
         """
         values, derivative = self._coordinates(params)
-        jumps, size = self._jumps(values, cost)
-        weight = self._length[cost.isotropic] / size / (1.0 if cost.scale is None else 1.0 + size / cost.scale)
-        root = np.sqrt(weight)
-        weighted = scipy.sparse.diags(root) @ self._difference[cost.isotropic]
-        R = scipy.sparse.kron(weighted, scipy.sparse.identity(derivative.shape[1]))
-        return R.tocsr(), (root[:, None] * jumps).ravel(), derivative
+        D, jumps = self._jumps.roots(values, cost)
+        R = scipy.sparse.kron(D, scipy.sparse.identity(derivative.shape[1]))
+        return R.tocsr(), jumps.ravel(), derivative

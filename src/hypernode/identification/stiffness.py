@@ -14,14 +14,13 @@ import scipy.linalg
 import scipy.sparse
 from jaxtyping import Float, Int
 
+from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.regulariser import CORNER_SHARE, SIDE_SHARE
+from hypernode.identification.regulariser import JumpCost, Jumps
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials
 
-#: Size below which a jump costs its square, and above which a larger one costs hardly more.
-SMALLEST_JUMP, LARGEST_JUMP = 0.02, 0.05
 #: Steps with total variation before larger jumps stop costing more, at most of blocks, and then of cells near jumps.
 CONVEX_STEPS, STEPS, OF_CELLS = 4, 40, 10
 #: Times that weights of jumps follow a step.
@@ -84,10 +83,10 @@ def blocks(mesh: Mesh, side: int) -> Int[np.ndarray, " cell"]:
     return np.unique(np.stack([row // side, column // side]), axis=1, return_inverse=True)[1].ravel()
 
 
-def divided_near_jumps(mesh: Mesh, found: ByCell) -> Int[np.ndarray, " cell"]:
-    """The same groups, those that touch a jump divided into cells."""
+def divided_near_jumps(mesh: Mesh, found: ByCell, least: float) -> Int[np.ndarray, " cell"]:
+    """The same groups, those that touch a jump of more than this size divided into cells."""
     pairs, groups = mesh.touching(), found.groups
-    jump = np.linalg.norm(found.values[pairs[:, 0]] - found.values[pairs[:, 1]], axis=1) > LARGEST_JUMP
+    jump = np.linalg.norm(found.values[pairs[:, 0]] - found.values[pairs[:, 1]], axis=1) > least
     beside = np.zeros(groups.max() + 1, bool)
     beside[groups[pairs[jump]].ravel()] = True
     finer = np.where(beside[groups], groups.max() + 1 + np.arange(len(groups)), groups)
@@ -98,20 +97,15 @@ class CellDescent:
     """Descents of numbers of every cell on top of a field.
 
     Args:
-        weight: cost of a jump of one along a side of a cell.
+        settings: configuration of the stage, which says what jumps cost.
         columns: parameters that the numbers add to.
     """
 
-    def __init__(self, test: SeenTest, field: Interfaces, weight: float, columns: list[int]):
-        self._test, self._weight, self._columns = test, weight, columns
+    def __init__(self, test: SeenTest, field: Interfaces, settings: Constrained, columns: list[int]):
+        self._test, self._weight, self._columns = test, settings.regulariser_weight, columns
         self._of, _ = field.cells()
         mesh = test.sheet.mesh
-        sides, length, _ = mesh.neighbours()
-        corners, across = mesh.diagonal_neighbours()
-        pairs, number = np.concatenate([sides, corners]), len(sides) + len(corners)
-        entries = np.repeat([1.0, -1.0], number), (np.tile(np.arange(number), 2), pairs.T.ravel())
-        self._difference = scipy.sparse.csr_matrix(entries, (number, len(mesh.cells)))
-        self._length = np.concatenate([SIDE_SHARE * length, CORNER_SHARE * across]) / np.sqrt(mesh.areas.mean())
+        self._jumps, self._jump_scale = Jumps(mesh, np.sqrt(mesh.areas.mean())), settings.jump_scale
 
     def of_blocks(
         self, guesses, starts: Float[np.ndarray, "start number"], others: ByCell | None = None
@@ -137,7 +131,8 @@ class CellDescent:
 
     def of_cells(self, found: ByCell) -> ByCell:
         """Where a descent goes on once cells near jumps have numbers of their own."""
-        return self._on(found, divided_near_jumps(self._test.sheet.mesh, found), CONVEX_STEPS + OF_CELLS, CONVEX_STEPS)
+        groups = divided_near_jumps(self._test.sheet.mesh, found, self._jump_scale)
+        return self._on(found, groups, CONVEX_STEPS + OF_CELLS, CONVEX_STEPS)
 
     def _on(self, found: ByCell, groups, most: int, done: int) -> ByCell:
         """Where a descent goes on with other groups."""
@@ -145,12 +140,9 @@ class CellDescent:
         further = self._descend(found.values, guesses, groups, most, done)
         return found if further is None else further._replace(of_large=found.of_large)
 
-    def _cost(self, values, convex: bool):
-        """(cost of the jumps, weights of their squares)."""
-        size = np.sqrt(((self._difference @ values) ** 2).sum(axis=1) + SMALLEST_JUMP**2)
-        each = size if convex else LARGEST_JUMP * np.log1p(size / LARGEST_JUMP)
-        weights = self._weight * self._length / size / (1.0 if convex else 1.0 + size / LARGEST_JUMP)
-        return self._weight * float(self._length @ each), weights
+    def _cost(self, values, jump_cost: JumpCost) -> float:
+        """Cost of the jumps."""
+        return self._weight * self._jumps.value(values, jump_cost)
 
     def _loads(self, field: Shifted, states, members):
         """Derivative of the nodal forces by the numbers of every group, number by number, by step."""
@@ -175,12 +167,14 @@ class CellDescent:
             return None
         for number in range(done, most):
             convex = number < CONVEX_STEPS
+            jump_cost = JumpCost(scale=None if convex else self._jump_scale, isotropic=True)
             sigma = test.sigma_of(states, sigma)
             shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
             answers = list(test.answers(states, self._loads(field, states, members)))
             curvature, gradient = shared.normal((answer.over(sigma) for answer in answers), residuals)
-            before = 0.5 * shared.squared(residuals) + self._cost(values, convex)[0]
-            step = np.clip(self._step(curvature, gradient, values, members, convex), -LARGEST_STEP, LARGEST_STEP)
+            before = 0.5 * shared.squared(residuals) + self._cost(values, jump_cost)
+            step = self._step(curvature, gradient, values, members, jump_cost)
+            step = np.clip(step, -LARGEST_STEP, LARGEST_STEP)
             moved = None
             for fraction in FRACTIONS:
                 trial = values + fraction * step[groups]
@@ -188,7 +182,7 @@ class CellDescent:
                 reached = test.followed(there, states, answers, fraction * step.T.ravel())
                 if reached is None:
                     continue
-                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, convex)[0]
+                after = 0.5 * shared.squared(test.residuals(reached, sigma)) + self._cost(trial, jump_cost)
                 if after < before:
                     moved = before - after
                     break
@@ -199,15 +193,15 @@ class CellDescent:
                 break
         return ByCell(values, states, test.left(states), groups)
 
-    def _step(self, curvature, gradient, values, members, convex):
+    def _step(self, curvature, gradient, values, members, jump_cost):
         """Change of the numbers of every group of cells (group, number)."""
         count = len(self._columns)
         every = scipy.sparse.block_diag([members] * count, format="csr")
         step = np.zeros(every.shape[1])
         held = 1e-3 * np.diag(curvature).mean() * np.eye(len(step))
         for _ in range(ROUNDS):
-            _, weights = self._cost(values + (every @ step).reshape(count, -1).T, convex)
-            R = self._difference.T @ scipy.sparse.diags(weights) @ self._difference
+            D, _ = self._jumps.roots(values + (every @ step).reshape(count, -1).T, jump_cost)
+            R = self._weight * (D.T @ D)
             of_blocks = scipy.sparse.block_diag([members.T @ R @ members] * count).toarray()
             factors = scipy.linalg.cho_factor(curvature + held + of_blocks, overwrite_a=True, check_finite=False)
             pull = np.concatenate([members.T @ (R @ column) for column in values.T])
