@@ -27,8 +27,8 @@ from hypernode.synthetic.forward import resultants
 
 #: (label of the matrix, of the stroke) -> shear moduli [MPa], of a printer's elastomers.
 PAIRS = {(8, 0): (0.20, 0.38), (9, 3): (0.23, 0.60), (8, 4): (0.20, 1.0), (9, 7): (0.23, 1.6)}
-#: What a sheet is stiffer along the lines that the printer lays, at most, as a share of Young's modulus across them, and
-#: what these lines stiffen by when they are pulled (k2 of Gasser, Ogden and Holzapfel).
+#: What a sheet is stiffer along the lines that the printer lays, at most, over Young's modulus across them, and what
+#: these lines stiffen by when they are pulled (k2 of Gasser, Ogden and Holzapfel).
 PRINTED, STIFFENS = 0.15, 1.0
 #: Points along a side, finite elements from one to the next, window in steps, noise in steps, frames, largest stretch.
 POINTS, FINER, WINDOW, NOISE, FRAMES, STRETCH = 27, 2, 1.5, 0.01, 9, 1.15
