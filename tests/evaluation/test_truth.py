@@ -71,6 +71,8 @@ def test_networks_are_compared_with_their_field_all_together_and_by_the_worst_ce
     size = np.sqrt(np.einsum("scij,c->", field**2, MESH.areas / MESH.areas.sum()))
     worst = score_networks(one, field, MESH.areas).summary["network_error_worst_cell"]
     assert worst == pytest.approx(2.0 * np.linalg.norm(field[:, 5]) / size)
+    without = score_networks(one, field, np.where(np.arange(len(MESH.cells)) == 5, 0.0, MESH.areas)).summary
+    assert without == {"network_error": 0.0, "network_error_worst_cell": 0.0}
 
 
 def test_two_standard_deviations_cover_the_gaussian_share_of_the_truth():

@@ -155,7 +155,9 @@ def _at_common_F(files, found, true, kind, F):
         field = material_of(files["constrained"])
         P_field = stress_at_common_F(field, mesh.centres, F[observed : observed + 1])[0]
         if files["material"].attrs["material_kind"] == "node":
-            judged |= score_networks(P[observed], P_field, mesh.areas)
+            # Where a line cuts a cell, networks have the material of most of it, and the field that of the point.
+            whole = mesh.areas * ~cut_by_lines(files["constrained"])
+            judged |= score_networks(P[observed], P_field, whole if whole.any() else mesh.areas)
     if true is None:
         return judged, None
     truth, P_true = files["truth"], stress_at_common_F(true, mesh.centres, F)

@@ -153,9 +153,12 @@ def score_networks(P, P_constrained, areas: Float[np.ndarray, " cell"]) -> Judge
 
     Stresses are those of the observed mode (stretch, cell, 2, 2). The error of a cell is over the mean stress of all
     cells.
+
+    Args:
+        areas: of the cells that count, zero of others.
     """
     size = np.sqrt(np.einsum("scij,c->", P_constrained**2, areas / areas.sum()))
-    missed = np.sqrt(((P - P_constrained) ** 2).sum(axis=(0, 2, 3)))
+    missed = np.sqrt(((P - P_constrained) ** 2).sum(axis=(0, 2, 3))) * (areas > 0.0)
     return Judgement(
         summary={
             "network_error": relative_error(P, P_constrained, areas),
