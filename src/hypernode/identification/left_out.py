@@ -123,7 +123,7 @@ def _followed(found: Estimate, rows, columns):
         return linear.adjoint(predicted)
 
     pulled = linear.adjoint(columns)
-    accuracy = strategy.sample_tolerance, strategy.cg_iterations
+    accuracy = strategy.trace_tolerance, strategy.sample_iterations
     return linear.product(found.answers(curvature).solve_columns(pulled, *accuracy))
 
 

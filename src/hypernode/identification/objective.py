@@ -148,7 +148,7 @@ class Objective:
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
             disturbed += block_diagonal(B).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.cg_iterations, learn=False)
+            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.sample_iterations, learn=False)
             fields.append(params + system.to_params(solution.x).reshape(params.shape))
         return np.array(fields)
 
@@ -169,7 +169,7 @@ class Objective:
         signs = np.random.default_rng(0).choice([-1.0, 1.0], linear.shape[0])
         load = linear.adjoint(signs)
         system = self.precision(linear.curvature, params, deflation)
-        solved = system.solve(load, strategy.sample_tolerance, strategy.cg_iterations, learn=False)
+        solved = system.solve(load, strategy.trace_tolerance, strategy.sample_iterations, learn=False)
         return float(load @ system.to_params(solved.x))
 
     def _jump_roots(self, params):

@@ -65,7 +65,7 @@ class Strategy:
     damping_shares: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
 
     # Linear solves.
-    #: Most conjugate-gradient iterations, and the residual at which those of a step end, over the gradient. On the way
+    #: Most conjugate-gradient iterations of a step, and the residual at which they end, over the gradient. On the way
     #: valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
     cg_iterations: int = 200
     cg_tolerance: float = 0.001
@@ -74,8 +74,11 @@ class Strategy:
     curvature_probes: int = 2
     #: Directions that a deflated solve keeps.
     deflated_directions: int = 40
-    #: Relative residual of a posterior sample, and of what counts effective parameters and predicts a step.
+    #: Relative residual and most iterations of a posterior sample.
     sample_tolerance: float = 0.01
+    sample_iterations: int = 100
+    #: Relative residual of the one that counts effective parameters, which are then missed by less than their chance.
+    trace_tolerance: float = 0.03
 
     # Judging where a descent stands.
     #: A displacement misfit this close to its noise counts as explained.
