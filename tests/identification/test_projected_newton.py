@@ -48,7 +48,7 @@ def test_later_steps_are_shorter_or_more_damped_and_none_is_longer_than_the_larg
     steps = [reached for reached, _, _ in projected_steps(x, gradient, np.eye(2), FREE, np.zeros(2), STRATEGY)]
     lengths = np.abs(steps).max(axis=1)
     assert lengths[0] == STRATEGY.largest_step and lengths[-1] < lengths[0]
-    assert len(steps) == STRATEGY.few_trials * len(STRATEGY.damping_shares)
+    assert len(steps) == STRATEGY.clipped_trials * len(STRATEGY.damping_shares)
 
 
 def test_a_step_after_a_damped_one_begins_with_the_damping_that_is_asked_for():

@@ -8,7 +8,7 @@ from hypernode.config.methods import Constrained
 from hypernode.errors import ExpectedError
 from hypernode.fem.transfer import transfer
 from hypernode.identification.estimate import Estimate
-from hypernode.identification.objective import Objective, Step
+from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, RIGID
@@ -129,12 +129,18 @@ def descend(
         linear = None
         linear = problem.linearise(params, states, sigma)
         cost = objective.value(params, states, sigma, linear)
-        found, step = _downhill(objective, linear, params, states, cost, damping, step)
+        explained = history[-1] <= strategy.explained
+        step = objective.gauss_newton(linear, params, states, damping, explained, step and step.deflation)
+        found = _line_search(objective, linear, params, states, step.change, cost)
         if found is None:
-            ending = Ending.STAGNATED
-            break
-        params, states, after, next_damping = found
-        damping, bolder = next_damping, next_damping <= damping
+            if damping > strategy.largest_damping:
+                ending = Ending.STAGNATED
+                break
+            damping = max(strategy.damping_after_failure * damping, strategy.first_damping)
+            progress.advance(misfit=history[-1], cost=cost)
+            continue
+        params, states, after, fraction = found
+        damping = _next_damping(strategy, damping, fraction)
         history.append(objective.misfit(states, linear))
         progress.advance(misfit=history[-1], cost=after)
         jump_cost = objective.jump_cost
@@ -142,9 +148,7 @@ def descend(
         if jump_cost.scale is None and (close or iteration + 1 >= strategy.convex_iterations):
             jump_cost = dataclasses.replace(jump_cost, scale=settings.jump_scale)
         else:
-            small = cost - after < tolerance * problem.cost_of_noise
-            # A damped step, or a part of one, says nothing of the end.
-            settled = close and bolder and jump_cost.isotropic and small
+            settled = close and jump_cost.isotropic and cost - after < tolerance * problem.cost_of_noise
             if settled and jump_cost.smallest == final.smallest:
                 ending = Ending.CONVERGED
                 break
@@ -185,41 +189,42 @@ def described(problem: FieldProblem) -> str:
     return ", ".join(problem.basis.terms) or "neo-Hookean"
 
 
-def _downhill(objective: Objective, linear, params, states, before: float, damping: float, step: Step | None):
-    """((parameters, states, cost, damping of the next step) where the cost is lower, or None; the last step tried).
+def _next_damping(strategy, damping: float, fraction: float) -> float:
+    """Less after a whole step, more after a short one."""
+    if fraction >= strategy.whole_step:
+        return max(strategy.damping_after_success * damping, strategy.smallest_damping)
+    return strategy.damping_after_short_step * damping if fraction < strategy.short_step else damping
 
-    The next step is less damped after a whole step, and more after a part of one or none.
 
-    Args:
-        before: the cost at the field of ``linear``.
-        damping: of the first step.
-        step: of the iteration before.
+def _line_search(objective: Objective, linear, params, states, change, before: float):
+    """(parameters, states, cost, fraction) at the longest of a few fractions of ``change`` that lowers the cost.
+
+    None where there is no such fraction.
     """
-    strategy, bounds = objective.strategy, _bounds(objective.problem)
-    factor, fractions = strategy.damping_factor, strategy.fraction ** np.arange(strategy.trials)
-    if objective.jump_cost.scale is not None:
-        fractions = [strategy.over_relaxation, *fractions]
-    while damping <= strategy.largest_damping:
-        step = objective.gauss_newton(linear, params, states, damping, step and step.deflation)
-        # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
-        change = np.clip(step.change, -strategy.largest_step, strategy.largest_step)
-        du = linear.displacement(change)
-        for fraction in fractions:
-            trial = np.clip(params + fraction * change.reshape(params.shape), *bounds)
-            reached = _followed(objective.problem, linear, trial, states, [fraction * each for each in du])
-            after = np.inf if reached is None else objective.value(trial, reached, linear.sigma, linear)
-            if after < before:
-                damping = damping / factor if fraction >= 1.0 else damping * factor
-                return (trial, reached, after, max(damping, strategy.ridge**2)), step
-        damping *= factor
-    return None, step
-
-
-def _followed(problem: FieldProblem, linear, params, states, du):
-    """Equilibrium of every step at other parameters, whose first-order change of the free displacements is known."""
-    guesses = []
-    for state, d in zip(states, du, strict=True):
-        guess = state.u.ravel().copy()
-        guess[state.free] += d
-        guesses.append(guess.reshape(-1, 2))
-    return problem.equilibrium.states(params, guesses, [step.factor for step in linear.steps])
+    strategy = objective.strategy
+    longest = 1.0 if objective.jump_cost.scale is None else strategy.over_relaxation
+    # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
+    # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
+    clipped = np.clip(change, -strategy.largest_step, strategy.largest_step)
+    scaled = change * min(1.0, strategy.largest_step / max(np.abs(change).max(), np.finfo(float).tiny))
+    factors = [step.factor for step in linear.steps]
+    bounds = _bounds(objective.problem)
+    fractions = (
+        (clipped, longest * strategy.fraction ** np.arange(strategy.clipped_trials)),
+        (scaled, strategy.fraction ** np.arange(strategy.scaled_trials)),
+    )
+    for direction, lengths in fractions:
+        du = linear.displacement(direction)
+        for fraction in lengths:
+            trial = np.clip(params + fraction * direction.reshape(params.shape), *bounds)
+            guesses = []
+            for state, d in zip(states, du, strict=True):
+                guess = state.u.ravel().copy()
+                guess[state.free] += fraction * d
+                guesses.append(guess.reshape(-1, 2))
+            reached = objective.problem.equilibrium.states(trial, guesses, factors)
+            if reached is not None:
+                after = objective.value(trial, reached, linear.sigma, linear)
+                if after < before:
+                    return trial, reached, after, fraction
+    return None

@@ -21,13 +21,14 @@ class Step(NamedTuple):
     Attributes:
         change: of the parameters, flattened.
         gradient_norm: of the objective by the parameters, where it is linearised.
-        cg_residual: relative residual where conjugate gradients ended.
+        cg_residual, cg_iterations: where conjugate gradients ended: relative residual, and how many iterations.
         deflation: directions for the next step.
     """
 
     change: np.ndarray
     gradient_norm: float
     cg_residual: float
+    cg_iterations: int
     deflation: np.ndarray | None
 
 
@@ -96,11 +97,11 @@ class Objective:
         """Gradient of the share of displacements and forces in :meth:`value` by the parameters, flattened."""
         return linear.adjoint(np.concatenate(self.residuals(states, linear.sigma, linear)))
 
-    def gauss_newton(self, linear: Jacobian, params, states, damping: float, deflation) -> Step:
+    def gauss_newton(self, linear: Jacobian, params, states, damping: float, explained: bool, deflation) -> Step:
         """Step of a damped Gauss-Newton iteration from the field of ``linear``, by conjugate gradients.
 
         Args:
-            damping: added to the curvature by every parameter.
+            explained: whether the displacements are already explained, so that the step may be looser.
             deflation: what the step before left, or None.
         """
         strategy = self.strategy
@@ -115,9 +116,11 @@ class Objective:
             deflation=deflation,
             strategy=strategy,
         )
-        solution = system.solve(-gradient, strategy.cg_tolerance, strategy.cg_iterations)
+        iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]
+        solution = system.solve(-gradient, strategy.cg_tolerance[int(explained)], iterations)
+        change = system.to_params(solution.x)
         norm = float(np.linalg.norm(gradient))
-        return Step(system.to_params(solution.x), norm, solution.residual, solution.deflation)
+        return Step(change, norm, solution.residual, solution.iterations, solution.deflation)
 
     def precision(self, curvature: Callable, params, deflation=None) -> "NormalEquations":
         """Systems with the inverse covariance of the posterior at a field (Laplace's approximation).

@@ -29,7 +29,7 @@ def projected_steps(
     """
     going = np.flatnonzero((x > lowest) | (gradient < 0.0))
     gradient, curvature = gradient[going], curvature[np.ix_(going, going)]
-    fractions = strategy.fraction ** np.arange(strategy.few_trials)
+    fractions = strategy.fraction ** np.arange(strategy.clipped_trials)
     for number, damping in list(enumerate(strategy.damping_shares))[least:]:
         change = -np.linalg.solve(curvature + np.diag(damping * np.diag(curvature) + floor[going]), gradient)
         within = change * min(1.0, strategy.largest_step / np.abs(change).max())

@@ -52,23 +52,27 @@ class Strategy:
     largest_step: float = 1.0
     #: First step tried once jumps stop costing more: a step minimises a quadratic above the penalty, and falls short.
     over_relaxation: float = 1.7
-    #: Factor between the steps that are tried of every damping, and how many of them, of free cells and of few numbers.
+    #: Factor between trials of a line search, and how many in the clipped and in the whole direction.
     fraction: float = 0.4
-    trials: int = 6
-    few_trials: int = 2
-    #: Damping of free cells, whose parameters are logarithms or near them: where it begins, the most, and the factor by
-    #: which it falls after a whole step, down to the ridge, and grows after a part of one or none.
+    clipped_trials: int = 2
+    scaled_trials: int = 5
+    #: Damping: where it begins, bounds, and factors after a whole step, a short one and none.
     first_damping: float = 1.0
+    smallest_damping: float = 1e-4
     largest_damping: float = 1e6
-    damping_factor: float = 4.0
-    #: Of few numbers, shares of the curvature that are added until a step lowers the cost (Levenberg and Marquardt).
-    damping_shares: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
+    damping_after_success: float = 0.25
+    damping_after_short_step: float = 4.0
+    damping_after_failure: float = 100.0
+    #: Fractions of a step from which it counts as whole, and below which as short.
+    whole_step: float = 0.99
+    short_step: float = 0.5
 
     # Linear solves.
-    #: Most conjugate-gradient iterations of a step, and the residual at which they end, over the gradient. On the way
-    #: valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
-    cg_iterations: int = 200
-    cg_tolerance: float = 0.001
+    #: Conjugate-gradient iterations of a step, before and after jumps stop costing more.
+    cg_iterations: tuple[int, int] = (150, 200)
+    #: Residual at which they end, relative to the gradient: while the displacements are not explained, and then. On
+    #: the way valleys are narrow: loose steps cross them to and fro, and where that ends is chance.
+    cg_tolerance: tuple[float, float] = (0.001, 0.003)
     #: Share of the mean curvature of the data that joins the preconditioner, and how many random vectors estimate it.
     curvature_share: float = 0.3
     curvature_probes: int = 2
@@ -90,7 +94,9 @@ class Strategy:
     forces_unexplained: float = 2.5
     forces_described: float = 2.4e-3
     laws_described: float = 5e-3
-    #: Standard deviations beyond which the misfit of displacements of known noise never exceeds that noise by chance.
+    #: Standard deviations by which the misfit of displacements of known noise may exceed that noise by chance, and
+    #: beyond which it never does.
+    by_chance: float = 1.0
     never_by_chance: float = 3.0
     #: Standard deviations by which it never falls short of that noise. A field has parameters, so that by two it does.
     never_so_little: float = 5.0
@@ -98,6 +104,9 @@ class Strategy:
     much_left: float = 0.3
     #: Share of the cost below which misfits leave nothing to explain: of neo-Hookean sheets it is a few thousandths.
     nothing_left: float = 0.02
+
+    #: Levenberg and Marquardt: shares of the curvature that are added until a step lowers the cost.
+    damping_shares: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0)
 
     #: A grid of more cells begins from the field of every second of its lines: so many take a minute, and show where
     #: interfaces are. On finer grids a length of interface costs what it does here.
