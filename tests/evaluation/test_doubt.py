@@ -1,5 +1,6 @@
 """Doubt is stated in every mode of deformation, inside and beyond what a test has seen."""
 
+import dataclasses
 import json
 
 import jax
@@ -8,6 +9,7 @@ import pytest
 import xarray as xr
 
 from hypernode.evaluation.doubt import ASKED, REACHES, doubts, judge_modes, judge_volume
+from hypernode.evaluation.thresholds import SETTINGS
 from hypernode.identification.open_laws import OpenLaw
 from hypernode.material.basis_file import basis_content
 from hypernode.material.domain import Domain
@@ -75,9 +77,18 @@ def test_a_volume_that_a_pull_does_not_tell_is_doubt_where_the_area_changes():
     by_mode = {each.mode: each.other_laws for each in of(constrained(area=1.0)) if each.stretch == pytest.approx(1.2)}
     assert by_mode["equibiaxial"] > 0.2
     assert by_mode["shear"] < 0.01
-    told = judge_modes(of(constrained(area=1.0)))
+    told = judge_modes(of(constrained(area=1.0)), SETTINGS.spread)
     assert told.level is Level.PASSED
     assert "says little of equibiaxial" in told.sentence and "laws with J" in told.sentence
+
+
+@pytest.mark.parametrize(("spread", "level"), [(0.05, Level.PASSED), (0.2, Level.WARNED), (0.9, Level.FAILED)])
+def test_a_mode_that_the_test_has_made_must_be_told_by_its_own_law(spread, level):
+    begun = of(constrained())
+    found = [dataclasses.replace(each, spread=spread, inside=each.mode == "strip_y") for each in begun]
+    assert judge_modes(found, SETTINGS.spread).level is level
+    beyond = [dataclasses.replace(each, inside=False) for each in found]
+    assert judge_modes(beyond, SETTINGS.spread).level is Level.PASSED
 
 
 def test_what_cannot_be_told_of_the_volume_is_said():
@@ -99,4 +110,4 @@ def test_laws_are_read_as_they_were_written():
 def test_a_method_without_samples_knows_no_doubt():
     field = constrained().drop_vars("posterior.log_level")
     assert of(field) == []
-    assert judge_modes([]).level is Level.NOT_JUDGED
+    assert judge_modes([], SETTINGS.spread).level is Level.NOT_JUDGED

@@ -63,7 +63,7 @@ def judge_run(
             _force_record(measurement),
             _spread(summary, settings),
             judge_level(budget, settings.level),
-            judge_modes(list(doubt)),
+            judge_modes(list(doubt), settings.spread),
             judge_volume(constrained, list(doubt)),
             judge_compression(summary),
             _inclusion(summary),

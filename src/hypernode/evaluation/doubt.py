@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from hypernode.evaluation.limits import not_judged, percent
 from hypernode.evaluation.probes import Probe
+from hypernode.evaluation.thresholds import Threshold
 from hypernode.material.domain_file import domain_of
 from hypernode.material.field import Material
 from hypernode.material.files import material_of, posterior_material
@@ -144,8 +145,15 @@ def farther_half(distances: Float[np.ndarray, " sample"]) -> float:
     return float(np.sqrt(np.mean(np.sort(distances)[len(distances) // 2 :] ** 2)))
 
 
-def judge_modes(found: list[Doubt]) -> Criterion:
-    """What is known of deformations that the test need not make; an answer, whatever it is."""
+def judge_modes(found: list[Doubt], known: Threshold) -> Criterion:
+    """What is known of deformations that the test need not make; an answer, whatever it is.
+
+    Of a mode that the test has seen the kept law must tell the stress. A material whose fibres no deformation pulls
+    may have any.
+
+    Args:
+        known: spread by samples of the kept law beyond which that warns and fails.
+    """
     name = "other deformations"
     of_test = sorted((each for each in found if each.reach == 1.0), key=lambda each: -each.total)
     if not of_test:
@@ -157,7 +165,12 @@ def judge_modes(found: list[Doubt]) -> Criterion:
         terms = sorted({term for each in little for term, rms in each.by_law.items() if rms > SAYS_LITTLE})
         by = f": laws with {', '.join(terms)} explain it as well" if terms else ""
         sentence += f" The test says little of {', '.join(each.mode for each in little)}{by}."
-    return Criterion(name, Level.PASSED, sentence, value=of_test[0].total, threshold=SAYS_LITTLE)
+    seen = max((each for each in of_test if each.inside), key=lambda each: each.spread, default=None)
+    if seen is None or seen.spread <= known.warn:
+        return Criterion(name, Level.PASSED, sentence, value=of_test[0].total, threshold=SAYS_LITTLE)
+    level = Level.WARNED if seen.spread <= known.fail else Level.FAILED
+    sentence = f"The test has made {seen.mode}, and its own law leaves {percent(seen.spread)} of that open. {sentence}"
+    return Criterion(name, level, sentence, value=seen.spread, threshold=known.warn)
 
 
 def judge_volume(constrained: xr.Dataset | None, found: list[Doubt]) -> Criterion:
