@@ -6,6 +6,7 @@ n^2 log n numbers instead of the 2 n^3 of its band. Each part has a dense front,
 matrices.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -141,13 +142,14 @@ class NestedFactors:
         return solved
 
 
-#: The latest order, and the pattern and places that it is of.
-_LATEST: list = []
-
-
 def _order(matrix: scipy.sparse.csr_matrix, places) -> Order:
-    """The order of a matrix: that of the latest one where it has the same entries, as tangents of one sheet have."""
-    given = matrix.indptr, matrix.indices, places
-    if not _LATEST or not all(map(np.array_equal, _LATEST[0], given)):
-        _LATEST[:] = [given, Order.of(matrix, places)]
-    return _LATEST[1]
+    """The order of a matrix, computed once for tangents of one sheet, which have the same entries."""
+    entries = (each.astype(np.int32).tobytes() for each in (matrix.indptr, matrix.indices))
+    return _order_of(*entries, places.tobytes())
+
+
+@functools.lru_cache(maxsize=1)
+def _order_of(indptr: bytes, indices: bytes, places: bytes) -> Order:
+    rows, columns = (np.frombuffer(each, np.int32) for each in (indptr, indices))
+    pattern = scipy.sparse.csr_matrix((np.ones(len(columns)), columns, rows))
+    return Order.of(pattern, np.frombuffer(places).reshape(-1, 2))

@@ -10,14 +10,14 @@ from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score_test import BELONGS, Joined, price, score_test
 from hypernode.identification.trials import NEAR, Trials
-from hypernode.mechanics.convex_basis import FIBRE_VECTOR
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS
 
 #: Steps at most of lines that another law sends far from their place.
 FAR_STEPS = 20
 #: How many of the terms that may join are tried, those first that promise most.
 TERMS_TRIED = 2
-#: More terms than there are.
-MOST_TERMS = 99
+#: How often a term may join at most: as many as there are.
+MOST_TERMS = len(PARAMETERS)
 #: Terms that contain the thickness, which J leaves open.
 OF_THICKNESS = ("I2", "ogden")
 #: Parameter of fibres that says nothing where they have no strength.

@@ -120,20 +120,19 @@ class Mosaic(Interfaces):
 
     def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
         """The misfit by options, as a quadratic form whose materials follow."""
-        some = np.ones(len(options.cell), bool)
+        some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
         if len(some) > ALL:
-            loads = self._loads_at(test, [u for u, _, _ in states], options)
+            loads = self._loads_at(test, states, half_way, options)
             some = promising(test, states, loads, self._dearer(options))
         if not some.any():
             return None
-        half_way = self._half_way(options)
         tolerance, between = test.problem.strategy.newton_tolerance, []
         for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
             between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
         if any(each is None for each in between):
             return None
         columns = np.append(some, np.ones(self.materials.size, bool))
-        loads = [each[:, columns] for each in self._loads_at(test, [u for u, _, _ in between], options)]
+        loads = [each[:, columns] for each in self._loads_at(test, between, half_way, options)]
         options = options.those(some)
         sigma, count = test.sigma_of(states), len(options.cell)
         jacobians = test.jacobians(between, loads, sigma)
@@ -177,10 +176,9 @@ class Mosaic(Interfaces):
             factor=np.ones(len(self.of_cells)),
         )
 
-    def _loads_at(self, test: SeenTest, u, options: Options) -> list[scipy.sparse.csr_matrix]:
-        """:meth:`_loads` by step, whose displacements are given, with changes half-way."""
-        of = self._half_way(options)
-        return [self._loads(test.sheet.cell_response(each, of), of, options) for each in u]
+    def _loads_at(self, test: SeenTest, states, half_way: CellMaterials, options: Options):
+        """:meth:`_loads` by step, at given states, with changes half-way."""
+        return [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in states]
 
     def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
         """Derivative of the nodal forces by the options, then by the materials, row by row."""

@@ -1,5 +1,6 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
+import operator
 from collections.abc import Iterator, Sequence
 from typing import Protocol, runtime_checkable
 
@@ -173,9 +174,7 @@ class SeenTest:
 
     def jacobians(self, states, loads, sigma: float) -> Iterator[Float[np.ndarray, "residual number"]]:
         """Derivative of the residuals by numbers, of one step after the other: of :meth:`answers`, not kept."""
-        for k, ((_, _, K), boundary, observe, forces) in enumerate(self._of_steps(states)):
-            free = boundary.free
-            yield Answer.of(self._factors(k, K, free), K, loads[k], free, observe, forces).over(sigma)
+        return map(operator.methodcaller("over", sigma), self.answers(states, loads))
 
     def adjoint(self, states, loads, sigma: float, residuals) -> Float[np.ndarray, "number column"]:
         """J^T of columns of the residuals of all steps.
