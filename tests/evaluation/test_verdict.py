@@ -183,6 +183,8 @@ def test_a_field_of_few_numbers_cannot_fit_noise_so_that_less_of_it_is_no_warnin
         field = constrained().assign_attrs(BelievedNoise(factor=factor).stored()).assign_attrs(kind)
         found = criterion(judged(measurement, field), "displacements")
         assert found.level is wanted and f"{factor} times the assumed one" in found.sentence
+    found = criterion(judged(measurement, constrained().assign_attrs(kind), displacement_misfit=0.7), "displacements")
+    assert found.level is Level.PASSED and "stated too large." in found.sentence
 
 
 def test_steps_that_are_left_out_are_predicted_or_the_worse_of_displacements_and_forces_says_by_how_much_not(

@@ -94,6 +94,22 @@ def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
         np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
 
 
+def test_forces_follow_a_law_that_changes_with_the_stiffness_as_their_derivative_says():
+    lines, points = Lines.of(GRID, refine(GRID, 2)), Points(ConvexBasis(("I1_squared",), 0.1))
+    field = Interfaces.homogeneous(lines, np.array([0.1, 0.3])).changing(0.1 * np.arange(100.0) % 7, BENDS[0])
+    field = dataclasses.replace(field, turn=np.array([0.2]))
+    mesh = lines.fine.mesh
+    u = 0.1 * mesh.nodes + 0.01 * np.random.default_rng(3).normal(size=mesh.nodes.shape)
+    sheet = Sheet(mesh, points, np.ones(len(mesh.cells)))
+    found, y, h = field.loads(sheet, u, []).toarray(), field.numbers([]), 1e-6
+    assert found.shape[1] == len(y)
+    for number, unit in enumerate(np.eye(len(y))):
+        more, less = (sheet.response(u, field.at(y + sign * h * unit, []).cells()[0])[0] for sign in (1.0, -1.0))
+        np.testing.assert_allclose(found[:, number], (more - less) / (2.0 * h), atol=2e-6)
+    at_cells = field.by_cell()
+    np.testing.assert_allclose(at_cells[1] - 0.3, 0.2 * (1.0 - np.exp(0.1 - at_cells[0])))
+
+
 def test_a_gradual_change_is_about_the_one_that_was_given():
     wanted = 0.3 * np.sin(0.2 * GRID.nodes[GRID.cells].mean(axis=1)[:, 0])
     assert np.abs(coats().changing(wanted, BENDS[0]).grid_factor() - wanted).max() < 0.1

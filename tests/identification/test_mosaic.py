@@ -10,6 +10,7 @@ from hypernode.data.coarsening import coarsened
 from hypernode.identification import mosaic
 from hypernode.identification.contours import options_at_contours
 from hypernode.identification.finer_grid import on_measured_grid
+from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
@@ -103,7 +104,7 @@ def test_changes_that_promise_something_are_few_and_the_right_ones_are_among_the
         for u, _, _ in states
         for of in [field._half_way(options)]
     ]
-    some = promising(test, states, loads, np.zeros(len(options.cell)))
+    some = promising(test, states, loads, np.zeros(len(options.cell)), held_of_materials(field))
     wrong = np.flatnonzero(field.of_cells != inside)
     assert np.isin(wrong, options.cell[some]).all()
     assert some.sum() < 0.7 * len(some)

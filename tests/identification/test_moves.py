@@ -55,25 +55,26 @@ def test_whole_cells_end_the_search_where_lines_leave_mostly_no_noise_and_they_l
 
 
 @pytest.mark.parametrize(
-    ("count", "alike", "mostly", "explained", "asked", "taken"),
+    ("count", "noise", "level", "left", "asked", "taken"),
     [
-        (2, True, False, True, True, True),
-        (2, True, False, False, True, False),
-        (2, False, False, True, False, False),
-        (2, True, True, True, False, False),
-        (1, True, False, True, False, False),
+        (2, False, 4.0, None, True, True),
+        (2, False, 4.0, 2.0, True, True),
+        (2, False, 4.0, 3.0, True, False),
+        (2, False, 6.0, None, False, False),
+        (2, True, 1.0, None, False, False),
+        (1, False, 4.0, None, False, False),
     ],
 )
-def test_the_law_is_sought_on_finer_elements_where_coarse_ones_may_be_to_blame(
-    monkeypatch, count, alike, mostly, explained, asked, taken
+def test_the_law_is_sought_on_finer_elements_where_they_change_as_much_as_coarse_ones_leave(
+    monkeypatch, count, noise, level, left, asked, taken
 ):
     fit = SimpleNamespace(field=SimpleNamespace(count=count))
-    coarse = SimpleNamespace(fit=fit, misses_deformation=alike, leaves_mostly_no_noise=mostly)
-    finer, sought = SimpleNamespace(leaves_more_than_noise=not explained), []
+    coarse = SimpleNamespace(fit=fit, leaves_more_than_noise=not noise, level=level)
+    finer, sought = SimpleNamespace(leaves_more_than_noise=left is not None, level=left), []
     same = {"with_law": lambda kept: sought.append(kept) or kept, "merged": lambda kept: kept}
     monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: Asked(kept))
     monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, other: None)
-    moves, reasons = moving(monkeypatch, finer=lambda kept: finer, **same)
+    moves, reasons = moving(monkeypatch, finer=lambda kept: finer, _missed_by_elements=lambda kept: 5.0, **same)
     found = moves.law_on_finer_elements(coarse)
     assert bool(sought) is asked
     assert found == ((coarse, finer) if taken else None)

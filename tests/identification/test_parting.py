@@ -76,25 +76,41 @@ def test_of_several_cuts_the_likeliest_is_kept(score, monkeypatch):
     assert passed == [tried[score >= 0.0]]
 
 
+@pytest.mark.parametrize("small", [True, False])
+def test_small_steps_try_every_number_of_materials_and_remember_the_first_that_was_more(small, monkeypatch):
+    one = candidate(9.0, 1, 30.0)
+    one.start, tried = None, []
+    of_count = {2: candidate(5.0, 2, 10.0), 3: candidate(5.0, 3, 12.0), 4: candidate(4.9, 4, 14.0)}
+    for each in (one, *of_count.values()):
+        each.leaves_more_than_noise, each.fit.field.gradual = True, ()
+    left = SimpleNamespace(misfit=6.0 if small else 1.0)
+    beside = SimpleNamespace(found=left, known=SimpleNamespace(count=1), parts=lambda count: (None, [None] * count))
+    search = Parting(SimpleNamespace(passed_over=lambda each, why: None), [0], False, small=small)
+    monkeypatch.setattr(search, "likelier_cut", lambda begun, beside, count: tried.append(count) or of_count[count])
+    monkeypatch.setattr(search, "_gradual", lambda begun, beside, kept: kept)
+    monkeypatch.setattr(parting, "merged", lambda trials, kept, *rest: kept)
+    assert search.parted(one, beside) is of_count[2]
+    assert tried == ([2, 3, 4] if small else [2, 3]) and search.one_more is of_count[3]
+
+
 @pytest.mark.parametrize("gain", [-5.0, 5.0])
 @pytest.mark.parametrize(
-    ("materials", "terms", "before", "asked"),
-    [(4, ("fibre",), False, 1), (2, ("fibre",), False, 0), (4, ("I2",), False, 0), (4, ("fibre",), True, 0)],
+    ("materials", "terms", "noise", "gradual", "asked"),
+    [
+        (4, ("fibre",), True, (), 1),
+        (2, ("fibre",), True, (), 0),
+        (2, ("fibre",), False, (), 1),
+        (4, ("I2",), False, (), 0),
+        (1, ("fibre",), False, (1.0,), 0),
+    ],
 )
-def test_several_materials_with_fibres_stand_against_those_of_small_steps_once(
-    materials, terms, before, asked, gain, monkeypatch
-):
-    kept, other, calls = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
-    kept.terms = terms
-
-    def from_smallest(*given):
-        calls.append(given)
-        return other
-
-    monkeypatch.setattr(small_steps, "from_smallest", from_smallest)
-    moves, passed = SimpleNamespace(with_law=lambda each: each, merged=lambda each: each), []
-    record = {"passed_over": lambda each, why: passed.append(each), "was_tried": lambda move, start: before}
-    search = SimpleNamespace(trials=SimpleNamespace(**record))
-    found = small_steps.of_likelier_cut(search, moves, None, kept)
-    assert found is (other if asked and gain > 0.0 else kept) and len(calls) == asked
+def test_materials_with_fibres_stand_against_those_of_small_steps(materials, terms, noise, gradual, asked, gain):
+    kept, other, passed = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
+    for each in (kept, other):
+        each.terms, each.leaves_more_than_noise, each.fit.field.gradual = terms, not noise, gradual
+    moves = SimpleNamespace(with_law=lambda each: each, merged=lambda each: each)
+    search = SimpleNamespace(trials=SimpleNamespace(passed_over=lambda each, why: passed.append(each)))
+    others = iter([other])
+    found = small_steps.of_likeliest_cut(search, moves, kept, others)
+    assert found is (other if asked and gain > 0.0 else kept) and len(list(others)) == 1 - asked
     assert passed == ([kept if gain > 0.0 else other] if asked else [])

@@ -36,6 +36,7 @@ def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_
         field = Interfaces(lines, before.materials, distances.reshape(len(before.distances), len(grid.nodes)))
     if before.lines.splines is not None:
         field = field.changing(before.grid_factor()[to_grid.cells], before.lines.splines.bend)
+        field = dataclasses.replace(field, turn=before.turn)
     u = {step: to_mesh.nodes @ each for step, each in coarse.u.items()}
     window = SIDES * coarse.fit.window if finds_window else None
     return trials.descend(

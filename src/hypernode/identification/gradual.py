@@ -13,6 +13,7 @@ from jaxtyping import Float
 from scipy.interpolate import BSpline
 
 from hypernode.fem.mesh import Mesh
+from hypernode.identification.sheet import CellResponse
 
 #: Cells of the measured grid between knots: what changes within fewer is no gradual change but a line.
 CELLS = 5
@@ -49,6 +50,28 @@ class Splines:
     def fitted(self, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " spline"]:
         """Coefficients of the penalised fit to values in the cells of the grid."""
         return scipy.sparse.linalg.spsolve((self.grid.T @ self.grid + self.held).tocsc(), self.grid.T @ values)
+
+
+def turned(log_factor: Float[np.ndarray, " cell"], turn: Float[np.ndarray, " turned"]):
+    """What is added to the parameters of every cell, beside its factor (cell, parameter); zero where no law turns.
+
+    Energies of a mixture are linear in its shares. So coefficients over the level are linear in one over the level.
+
+    Args:
+        turn: of every parameter but the level, what is added to it where the level is much larger, or none.
+    """
+    return np.outer(-np.expm1(-log_factor), np.append(0.0, turn)) if len(turn) else 0.0
+
+
+def loads_of_change(response: CellResponse, mesh: Mesh, splines: Splines, gradual, turn) -> list:
+    """Derivatives of the nodal forces of a mesh by the coefficients of splines, and by what laws turn by."""
+    by_turned, log_factor = response.by_one[:, :, 1 : 1 + len(turn)], (splines.fine @ gradual)[:, None]
+    by_factor = response.by_factor + np.exp(-log_factor) * (by_turned @ turn)
+    entries = by_factor.ravel(), (mesh.dofs.ravel(), np.repeat(np.arange(len(mesh.cells)), 8))
+    by_cell = scipy.sparse.csr_matrix(entries, (mesh.nodes.size, len(mesh.cells)))
+    by_turn = np.zeros((mesh.nodes.size, len(turn)))
+    np.add.at(by_turn, mesh.dofs, by_turned * -np.expm1(-log_factor)[:, None])
+    return [by_cell @ splines.fine, scipy.sparse.csr_matrix(by_turn)]
 
 
 def _values(mesh: Mesh, grid: Mesh, counts) -> scipy.sparse.csr_matrix:

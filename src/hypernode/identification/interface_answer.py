@@ -132,5 +132,5 @@ def _estimate(trials: Trials, found: Candidate) -> InterfaceEstimate:
         moves=moves,
         going=going,
         # Where neither data nor bends say anything of a distance, it is known to some cells.
-        held=held_of(fit.field, bends_of(fit.field, moves), trials.strategy.ridge) + scipy.sparse.diags(unknown),
+        held=held_of(fit.field, bends_of(fit.field, moves)) + scipy.sparse.diags(unknown),
     )

@@ -117,9 +117,7 @@ class InterfaceEstimate(Estimate):
     @property
     def by_parts(self) -> Float[np.ndarray, "parameter part cell"]:
         """Parameters of the material at the centre of every cell, one part a cell."""
-        params = self.field.materials[self.labels].T
-        params[0] += self.field.grid_factor()
-        return params[:, None]
+        return self.field.by_cell()[:, None]
 
     def jump_stress(self, F: Float[np.ndarray, "step cell 2 2"]) -> Float[np.ndarray, "step cell 2 2"]:
         """Stress of a cut cell, a laminate, minus that of the material at its centre; zero elsewhere."""
@@ -151,8 +149,11 @@ class InterfaceEstimate(Estimate):
         moved = self.understated * change[: materials.size].reshape(*materials.shape, count)
         samples = (materials[:, :, None] + moved)[self.labels]
         if (splines := self.field.lines.splines) is not None:
-            gradual = change[len(change) - len(self.field.gradual) :]
-            samples[:, 0] += splines.grid @ (self.field.gradual[:, None] + self.understated * gradual)
+            known = np.append(self.field.gradual, self.field.turn)[:, None]
+            gradual, turn = np.split(known + self.understated * change[-len(known) :], [len(self.field.gradual)])
+            log_factor = splines.grid @ gradual
+            samples[:, 0] += log_factor
+            samples[:, 1 : 1 + len(turn)] -= np.expm1(-log_factor)[:, None] * turn
         return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
 
     @functools.cached_property

@@ -19,6 +19,9 @@ BENT, BEND = 0.8, 0.3
 HELD = 3.0
 #: Inverse variance of the window without data: none.
 UNKNOWN = 1e-6
+#: That of the logarithm of a stiffness, small, and of every other parameter: fibres and further terms are about as
+#: strong as the matrix.
+OF_LEVEL, OF_LAW = 0.02, 1.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -94,16 +97,20 @@ def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Fl
     return found
 
 
-def held_of(field: Interfaces, bends, ridge: float) -> scipy.sparse.csr_matrix:
+def held_of_materials(field: Interfaces) -> Float[np.ndarray, " parameter"]:
+    """Inverse variance of every parameter of every material without data, material by material."""
+    return np.tile(np.append(OF_LEVEL, np.full(field.materials.shape[1] - 1, OF_LAW)), field.count)
+
+
+def held_of(field: Interfaces, bends) -> scipy.sparse.csr_matrix:
     """Inverse covariance of materials and moves without data.
 
     Args:
         bends: of :func:`bends_of`.
-        ridge: inverse variance of a parameter of a material.
     """
-    blocks = [ridge * scipy.sparse.identity(field.materials.size), *(change.T @ change for change, _ in bends)]
+    blocks = [scipy.sparse.diags(held_of_materials(field)), *(change.T @ change for change, _ in bends)]
     if field.lines.splines is not None:
-        blocks.append(field.lines.splines.held)
+        blocks += [field.lines.splines.held, OF_LAW * scipy.sparse.identity(len(field.turn))]
     return scipy.sparse.block_diag(blocks, format="csr")
 
 
@@ -111,13 +118,13 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
     """The numbers of a field, and the side of the window as the last where it is one."""
     strategy, law = problem.strategy, problem.basis
     y, bends = field.numbers(moves), bends_of(field, moves)
-    held = held_of(field, bends, strategy.ridge)
+    held = held_of(field, bends)
     centre = np.zeros(len(law.names))
     centre[0] = problem.homogeneous.params[0]
     centre = np.tile(centre, field.count)
-    pull = np.concatenate([strategy.ridge * centre, *(-(change.T @ bend) for change, bend in bends)])
+    pull = np.concatenate([held_of_materials(field) * centre, *(-(change.T @ bend) for change, bend in bends)])
     pull = np.append(pull, np.zeros(len(y) - len(pull)))
-    base = 0.5 * strategy.ridge * float(centre @ centre) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
+    base = 0.5 * float(held_of_materials(field) @ centre**2) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
     extra = len(y) - field.materials.size
     lowest = np.concatenate([np.tile(law.lowest, field.count), np.full(extra, -np.inf)])
     known = strategy.largest_step**-2.0

@@ -7,6 +7,7 @@ all load steps.
 """
 
 import functools
+from collections.abc import Iterator
 
 import xarray as xr
 
@@ -28,7 +29,7 @@ from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.moves import Moves
 from hypernode.identification.parting import FAR_FROM_NOISE, MOST, Parting
 from hypernode.identification.settings import Strategy
-from hypernode.identification.small_steps import from_smallest, of_likelier_cut
+from hypernode.identification.small_steps import from_smallest, of_likeliest_cut
 from hypernode.identification.trials import Trials, largest_and_half
 from hypernode.identification.volume import of_likelier_volume, with_area
 from hypernode.progress import say
@@ -84,7 +85,7 @@ class Search:
             return None
         if both := moves.law_on_finer_elements(kept):
             return both
-        kept = of_likelier_cut(parting, moves, one, moves.merged(moves.with_law(kept)))
+        kept = of_likeliest_cut(parting, moves, moves.merged(moves.with_law(kept)), self._others)
         if cells := moves.of_whole_cells(kept):
             return cells, cells
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
@@ -216,7 +217,12 @@ class Search:
         """
         if beside.found is None or beside.found.misfit < MOSTLY_NO_NOISE:
             return parting.parted(one, beside)
-        return from_smallest(parting, one) or parting.parted(one, beside)
+        return next(self._others, None) or parting.parted(one, beside)
+
+    @functools.cached_property
+    def _others(self) -> Iterator[Candidate]:
+        """Materials that the smallest load steps tell, which are asked once."""
+        return from_smallest(self._parting, self._one)
 
     def _from_coarser_grid(self) -> tuple[Candidate, Candidate] | None:
         """What every second line of a grid of many cells tells, on the whole grid."""

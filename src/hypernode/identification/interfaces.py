@@ -15,7 +15,7 @@ from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.coats import Cuts, laid, layers_of
-from hypernode.identification.gradual import Splines
+from hypernode.identification.gradual import Splines, loads_of_change, turned
 from hypernode.identification.sheet import CellMaterials, CellResponse, Sheet
 
 
@@ -60,12 +60,15 @@ class Interfaces:
         distances: signed distance of every node of the grid from the line of each material but the first, positive
             where it is (line, node).
         gradual: coefficients of the logarithm of a factor on all materials, none where nothing changes gradually.
+        turn: of a law that changes with that factor, of :func:`turned`, or none. Only of one material.
     """
 
     lines: Lines
     materials: Float[np.ndarray, "material parameter"]
     distances: Float[np.ndarray, "line node"]
     gradual: Float[np.ndarray, " spline"] = dataclasses.field(default_factory=lambda: np.zeros(0))
+    _: dataclasses.KW_ONLY
+    turn: Float[np.ndarray, " turned"] = dataclasses.field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def homogeneous(cls, lines: Lines, params: Float[np.ndarray, " parameter"]) -> "Interfaces":
@@ -115,19 +118,22 @@ class Interfaces:
         cut = np.flatnonzero(up.line >= 0)
         once, twice = cut[low.line[cut] < 0], cut[low.line[cut] >= 0]
         pieces, cuts = layers_of(base, low, up, once, twice)
-        factor = np.exp(log_factor)
-        return CellMaterials(materials=self.materials, one=base, factor=factor, **vars(pieces)), cuts
+        factor, added = np.exp(log_factor), turned(log_factor, self.turn)
+        return CellMaterials(materials=self.materials, one=base, factor=factor, added=added, **vars(pieces)), cuts
+
+    def by_cell(self) -> Float[np.ndarray, "parameter cell"]:
+        """Parameters of the material at the centre of every cell of the measured grid, its factor in the level."""
+        factor = self.grid_factor()
+        cells = self.materials[self.labels()] + turned(factor, self.turn)
+        return np.concatenate([cells[:, :1] + factor[:, None], cells[:, 1:]], axis=1).T
 
     def labels(self) -> Int[np.ndarray, " cell"]:
         """The material that most of every cell of the grid is of."""
         base, low, up = laid(self.lines.grid, self.distances)
         area, rows = np.zeros((len(base), self.count)), np.arange(len(base))
         above, between = (np.where(cut.line < 0, 0.0, cut.share) for cut in (up, low))
-        for material, share in (
-            (base, (1.0 - above) * (1.0 - between)),
-            (low.line + 1, (1.0 - above) * between),
-            (up.line + 1, above),
-        ):
+        shares = (1.0 - above) * (1.0 - between), (1.0 - above) * between, above
+        for material, share in zip((base, low.line + 1, up.line + 1), shares, strict=True):
             np.add.at(area, (rows, material), share)
         return area.argmax(axis=1)
 
@@ -164,7 +170,7 @@ class Interfaces:
         return scipy.sparse.csr_matrix(entries, (mesh.nodes.size, self.count * count))
 
     def loads(self, sheet: Sheet, u: Float[np.ndarray, "node 2"], moves) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the materials, row by row, and by the moves of the lines, by splines."""
+        """Derivative of the nodal forces by the materials, row by row, by moves of the lines, splines and turns."""
         of, cuts = self.cells()
         response = sheet.cell_response(u, of, by_factor=self.lines.splines is not None)
         mesh, found = self.lines.fine.mesh, [self.loads_of_materials(response, of)]
@@ -180,23 +186,21 @@ class Interfaces:
             by_fine = scipy.sparse.csr_matrix((each.ravel(), (rows, columns)), (mesh.nodes.size, len(mesh.nodes)))
             found.append(by_fine @ (self.lines.between @ move))
         if self.lines.splines is not None:
-            entries = response.by_factor.ravel(), (mesh.dofs.ravel(), np.repeat(np.arange(len(mesh.cells)), 8))
-            by_cell = scipy.sparse.csr_matrix(entries, (mesh.nodes.size, len(mesh.cells)))
-            found.append(by_cell @ self.lines.splines.fine)
+            found += loads_of_change(response, mesh, self.lines.splines, self.gradual, self.turn)
         return scipy.sparse.hstack(found, format="csr")
 
     def at(self, y: Float[np.ndarray, " number"], moves) -> "Interfaces":
         """The same with other materials and moved lines, by numbers in the order of :meth:`loads`."""
-        materials, rest = y[: self.materials.size].reshape(self.materials.shape), y[self.materials.size :]
-        *each, gradual = np.split(rest, np.cumsum([move.shape[1] for move in moves]))
-        distances = [row + move @ by for row, move, by in zip(self.distances, moves, each, strict=True)]
-        distances = np.array(distances).reshape(self.distances.shape)
-        return dataclasses.replace(self, materials=materials, distances=distances, gradual=gradual)
+        sizes = self.materials.size, *(move.shape[1] for move in moves), len(self.gradual)
+        materials, *each, gradual, turn = np.split(y, np.cumsum(sizes))
+        moved = [row + move @ by for row, move, by in zip(self.distances, moves, each, strict=True)]
+        materials, distances = materials.reshape(self.materials.shape), np.reshape(moved, self.distances.shape)
+        return dataclasses.replace(self, materials=materials, distances=distances, gradual=gradual, turn=turn)
 
     def numbers(self, moves) -> Float[np.ndarray, " number"]:
         """The numbers that :meth:`at` takes, of lines where they are."""
         still = (np.zeros(move.shape[1]) for move in moves)
-        return np.concatenate([self.materials.ravel(), *still, self.gradual])
+        return np.concatenate([self.materials.ravel(), *still, self.gradual, self.turn])
 
     def measured_anew(self, fewest: int) -> "Interfaces":
         """The same lines, from which distances are measured anew; regions of fewer nodes are none.
@@ -239,5 +243,7 @@ class Interfaces:
         return dataclasses.replace(self, lines=lines, gradual=splines.fitted(factor))
 
     def with_law(self, materials: Float[np.ndarray, "material parameter"]) -> "Interfaces":
-        """The same lines between other materials."""
-        return dataclasses.replace(self, materials=materials)
+        """The same lines between other materials. Parameters that these have more come last, and do not turn."""
+        more = materials.shape[1] - self.materials.shape[1]
+        turn = np.append(self.turn, np.zeros(more)) if len(self.turn) and more >= 0 else np.zeros(0)
+        return dataclasses.replace(self, materials=materials, turn=turn)

@@ -6,6 +6,7 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import APART, EVIDENCE, Candidate
+from hypernode.identification.interface_numbers import OF_LAW
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score_test import BELONGS, Joined, price, score_test
@@ -192,9 +193,9 @@ def open_terms(kept: Sequence[str], settings: Constrained) -> tuple[str, ...]:
 
 def _promise(joined: list[Joined], kept: Candidate) -> tuple[float, int]:
     """(by how much a term promises to improve the score, number of the direction from which fibres go)."""
-    ridge, promised = kept.problem.strategy.ridge, []
+    promised = []
     for number, each in enumerate(joined):
-        x, gain = each.least(ridge)
+        x, gain = each.least(OF_LAW)
         cost = price(kept, len(each.new), np.count_nonzero(x))
         stronger = int(np.argmax(x.reshape(kept.fit.field.count, -1).sum(axis=0)))
         promised.append((gain - cost, (number + stronger) % len(joined)))

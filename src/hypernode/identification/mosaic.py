@@ -14,6 +14,7 @@ from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import ContourModel, Options, at_contours, options_at_contours, relabelled
+from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
@@ -123,7 +124,7 @@ class Mosaic(Interfaces):
         some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
         if len(some) > ALL:
             loads = self._loads_at(test, states, half_way, options)
-            some = promising(test, states, loads, self._dearer(options))
+            some = promising(test, states, loads, self._dearer(options), held_of_materials(self))
         if not some.any():
             return None
         tolerance, between = test.problem.strategy.newton_tolerance, []
@@ -137,7 +138,7 @@ class Mosaic(Interfaces):
         sigma, count = test.sigma_of(states), len(options.cell)
         jacobians = test.jacobians(between, loads, sigma)
         curvature, gradient = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
-        own = curvature[count:, count:] + test.problem.strategy.ridge * np.eye(self.materials.size)
+        own = curvature[count:, count:] + np.diag(held_of_materials(self))
         follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
         across, sides = curvature[:count, count:], _sides(self.lines.grid.mesh)
         return ContourModel(

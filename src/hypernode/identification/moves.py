@@ -2,6 +2,8 @@
 
 import dataclasses
 
+import numpy as np
+
 from hypernode.identification.candidate import EVIDENCE, Candidate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
@@ -9,7 +11,8 @@ from hypernode.identification.merging import merged
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import Parting
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.trials import FAR, FINER, NEAR, Trials, homogeneous_displacement
 from hypernode.identification.volume import of_likelier_volume
 
 #: Side of a window, in points, below which it changes less than points apart do, and is none.
@@ -37,8 +40,22 @@ class Moves:
         return self.trials.descend("one material", None, problem, field, u, self.steps, NEAR)
 
     def with_law(self, kept: Candidate) -> Candidate:
-        """The same with the terms of the law that pay."""
-        return LawSearch(self.trials, self.steps, self.finds_window).end(kept)
+        """The same with the terms of the law that pay; of one material, a law that may change with its stiffness."""
+        return self._turned(LawSearch(self.trials, self.steps, self.finds_window).end(kept))
+
+    def _turned(self, kept: Candidate) -> Candidate:
+        field = kept.fit.field
+        if field.count > 1 or not len(field.gradual) or not kept.leaves_more_than_noise or not kept.terms:
+            return kept
+        turning = dataclasses.replace(field, turn=np.zeros(field.materials.shape[1] - 1))
+        move = "a law that changes with the stiffness"
+        found = self.trials.descend(move, kept, kept.problem, turning, kept.u, self.steps, FAR)
+        if found is None or found.gain_over(kept) <= EVIDENCE:
+            if found is not None:
+                self.trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against one law")
+            return kept
+        self.trials.passed_over(kept, f"scores {found.gain_over(kept):+.1f} against a law that changes")
+        return found
 
     def merged(self, kept: Candidate) -> Candidate:
         """The same, two materials of which are one where data hardly tell them apart."""
@@ -85,20 +102,36 @@ class Moves:
         return LawSearch(self.trials, self.steps, self.finds_window and finer.fit.field.count > 1).plainer(finer)
 
     def law_on_finer_elements(self, kept: Candidate) -> tuple[Candidate, Candidate] | None:
-        """(a candidate with a law sought on finer elements, the same there); None where that leaves more than noise.
+        """(a candidate with a law sought on finer elements, the same there); None where elements are not to blame.
 
-        Coarse elements that leave little more than noise may leave what they miss themselves. Terms that pay for that
-        say nothing of the law.
+        They may be where no more is left than finer ones change. Terms that pay for that say nothing of the law. What
+        elements beside a line miss falls as their size does.
         """
-        if kept.fit.field.count == 1 or not kept.misses_deformation or kept.leaves_mostly_no_noise:
+        if kept.fit.field.count == 1 or not kept.leaves_more_than_noise:
+            return None
+        missed = self._missed_by_elements(kept)
+        if kept.level > missed:
             return None
         finer = self.merged(self.with_law(self.finer(kept)))
         finer = of_likelier_volume(self.trials, finer, self.steps, self.finds_window).kept
-        if not finer.leaves_more_than_noise:
+        if not finer.leaves_more_than_noise or finer.level <= missed / FINER:
             law = LawSearch(self.trials, self.steps, self.finds_window)
             return law.with_law_of(kept, finer) or kept, finer
-        self.trials.passed_over(finer, "leaves more than noise; coarse elements are asked first")
+        self.trials.passed_over(finer, "leaves more than noise and elements do; coarse elements are asked first")
         return None
+
+    def _missed_by_elements(self, kept: Candidate) -> float:
+        """How far finer elements move what is seen of a candidate, over noise (root mean square): what its own miss."""
+        problem, field, u = self.trials.on_finer_elements(kept)
+        own, finer = (SeenTest(each, self.steps, kept.fit.window) for each in (kept.problem, problem))
+        states = finer.states(field, [u[k] for k in self.steps])
+        if states is None:
+            return 0.0
+        seen = [
+            np.concatenate(test.of_displacements(test.residuals(found, test.sigma)))
+            for test, found in ((own, kept.fit.states), (finer, states))
+        ]
+        return float(np.sqrt(np.mean((seen[1] - seen[0]) ** 2))) / kept.problem.observations.scatter
 
     def of_volume_told_finer(self, kept: Candidate, finer: Candidate) -> tuple[Candidate, Candidate]:
         """Both candidates with the volume that finer elements speak for, where coarse ones tell it not."""

@@ -15,7 +15,7 @@ from hypernode.config.methods import Constrained
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interface_numbers import numbers_of
+from hypernode.identification.interface_numbers import OF_LAW, numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import OF_THICKNESS, open_terms, translated
 from hypernode.identification.problem import FieldProblem, with_law
@@ -24,8 +24,6 @@ from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import largest_and_half, largest_steps
 from hypernode.mechanics.convex_basis import ConvexBasis
 
-#: Inverse variance of a coefficient without data: terms are about as strong as the neo-Hookean one at most.
-USUAL = 1.0
 #: Logarithm of the likelihood that such a law may lack and still be no worse: two standard deviations of one number.
 AS_WELL = 2.0
 #: How often samples may be brought nearer by half.
@@ -99,9 +97,9 @@ def _of_term(kept: Candidate, score: ScoreTest, compared: "_Compared", term: str
     """A law that contains the kept one, fibres in all directions."""
     joined, fields, gains = score.joined(term), [], []
     for first, each in enumerate(joined):
-        gains.append(each.least(USUAL)[1])
+        gains.append(each.least(OF_LAW)[1])
         size = len(each.slope)
-        drawn = [each.least(USUAL, random.normal(size=size))[0] for _ in range(first, count, len(joined))]
+        drawn = [each.least(OF_LAW, random.normal(size=size))[0] for _ in range(first, count, len(joined))]
         changes = [each.by_chance(random.normal(size=len(each.free))) for _ in drawn]
 
         def at(n, near, each=each, drawn=drawn, changes=changes):
@@ -129,10 +127,8 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     loads = test.loads(fit.field, fit.states, numbers.moves)
     shared, residuals = (each(fit.states, kept.sigma_left) for each in (test.shared, test.residuals))
     curvature, _ = shared.normal(test.jacobians(fit.states, loads, kept.sigma_left), residuals)
-    usual = np.zeros(len(numbers.y))
-    usual[: numbers.of_materials] = np.tile(np.isin(problem.basis.names, list(AREA)) * USUAL, fit.field.count)
     going = np.flatnonzero(numbers.y > numbers.lowest)
-    half = np.linalg.cholesky((curvature + numbers.held.toarray() + np.diag(usual))[np.ix_(going, going)])
+    half = np.linalg.cholesky((curvature + numbers.held.toarray())[np.ix_(going, going)])
     drawn = [np.linalg.solve(half.T, random.normal(size=len(going))) for _ in range(count)]
 
     def at(n, near):
@@ -181,9 +177,4 @@ class _Compared:
 
 def _of_cells(fields: list[Interfaces]) -> Float[np.ndarray, "parameter posterior_sample part cell"]:
     """Parameters of the material at the centre of every cell."""
-    found = []
-    for field in fields:
-        cells = field.materials[field.labels()].T
-        cells[0] += field.grid_factor()
-        found.append(cells)
-    return np.stack(found, axis=1)[:, :, None]
+    return np.stack([field.by_cell() for field in fields], axis=1)[:, :, None]

@@ -44,6 +44,8 @@ class Parting:
         #: One material that changes gradually, and two materials with lines, once these were tried.
         self.gradual: Candidate | None = None
         self.of_two: Candidate | None = None
+        #: Materials that were more than those which were kept, once these were tried.
+        self.one_more: Candidate | None = None
 
     def beside(self, begun: Candidate) -> Beside:
         """The factor of the stiffness in blocks of cells that explains more than a candidate, on top of its materials.
@@ -54,11 +56,11 @@ class Parting:
         known = begun.fit.field.with_law(plain) if begun.start is None else begun.fit.field
         return self._by_cell(begun, begun.problem, known, [0], np.zeros((1, 1)))
 
-    def with_direction(self, one: Candidate, beside: Beside) -> Beside:
-        """A factor and fibres in every cell, on top of one homogeneous material.
+    def with_fibres(self, one: Candidate, beside: Beside) -> Beside | None:
+        """A factor and fibres in blocks of cells, on top of one homogeneous material.
 
         Args:
-            beside: a factor alone.
+            beside: the factor alone, from which both begin; None where they leave more than half of its squares.
         """
         problem = self.trials.problem([*one.terms, "fibre"])
         columns = [problem.basis.names.index(name) for name in ("log_level", *FIBRE_VECTOR)]
@@ -68,7 +70,9 @@ class Parting:
         known = one.fit.field.with_law(plain[None])
         directions = [begun[0, columns[1:]] for begun in turned(problem.basis.start[None], problem, "fibre")]
         starts = np.c_[np.zeros(len(directions)), directions]
-        return self._by_cell(one, problem, known, columns, starts, beside.found)
+        directed = self._by_cell(one, problem, known, columns, starts, beside.found)
+        halves = directed.found is not None and (beside.found is None or directed.found.halves(beside.found))
+        return directed if halves else None
 
     def _largest(self, problem: FieldProblem) -> list[int]:
         """The largest step of every load case, of those that count."""
@@ -101,7 +105,8 @@ class Parting:
         test = SeenTest(problem, steps, begun.fit.window if self.finds_window else None)
         descent = CellDescent(test, known, trials.settings, columns)
         found = Beside(problem, known, columns, descent, None, steps, begun.u)
-        found = found._replace(found=descent.of_blocks([begun.u[k] for k in steps], starts, others))
+        guesses = [begun.u[k] for k in steps] if others is None else [u for u, _, _ in others.states]
+        found = found._replace(found=descent.of_blocks(guesses, starts, others))
         self._tell(found, "blocks of cells")
         return found
 
@@ -128,11 +133,18 @@ class Parting:
             beside: of :meth:`beside`, where that is known.
             most: materials at most.
         """
-        trials, first = self.trials, begun.fit.field.count == 1
+        first = begun.fit.field.count == 1
         beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
-        kept = begun
+        kept = self._of_more(begun, beside, most)
+        if first:
+            kept = self._gradual(begun, beside, kept)
+        return kept if len(kept.fit.field.gradual) else merged(self.trials, kept, self.steps, self.finds_window)
+
+    def _of_more(self, begun: Candidate, beside: Beside, most: int) -> Candidate:
+        """Materials from cuts of numbers of every cell, as long as more of them explain more than they cost."""
+        trials, first, kept = self.trials, begun.fit.field.count == 1, begun
         # On top of another law, as many materials may lie elsewhere.
         for count in range(beside.known.count + first, most + 1):
             if len(beside.parts(count)[1]) < count:
@@ -145,19 +157,19 @@ class Parting:
             gain = found.gain_over(kept)
             if why := self._why_more(found, kept):
                 trials.passed_over(kept, f"{why} {count} materials")
-                kept = found
+                kept, self.one_more = found, None
             else:
                 trials.passed_over(found, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")
                 if kept is not begun:
-                    break
-            # Numbers of every cell leave what more materials might explain.
-            if not kept.leaves_more_than_noise or kept.fit.misfit <= beside.found.misfit:
+                    self.one_more = self.one_more or found
+                    # Small steps cost little, and two lines between three materials may go astray where three do not.
+                    if not self._small:
+                        break
+            # Numbers of every cell leave what more materials might explain. Of small steps they leave no law.
+            explained = kept.fit.misfit <= beside.found.misfit and not self._small
+            if explained or not kept.leaves_more_than_noise:
                 break
-        if first:
-            kept = self._gradual(begun, beside, kept)
-        if len(kept.fit.field.gradual):
-            return kept
-        return merged(trials, kept, self.steps, self.finds_window)
+        return kept
 
     def _why_more(self, found: Candidate, kept: Candidate) -> str:
         """Why a candidate of more materials is kept, in words; empty where it is not.

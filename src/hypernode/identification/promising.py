@@ -20,7 +20,11 @@ PAID = 4.0 * float(np.log(2.0))
 
 
 def promising(
-    test: SeenTest, states, loads: list[scipy.sparse.csr_matrix], dear: Float[np.ndarray, " change"]
+    test: SeenTest,
+    states,
+    loads: list[scipy.sparse.csr_matrix],
+    dear: Float[np.ndarray, " change"],
+    held: Float[np.ndarray, " number"],
 ) -> Bool[np.ndarray, " change"]:
     """Which changes promise something, where the materials follow.
 
@@ -28,6 +32,7 @@ def promising(
         states: equilibrium of every step.
         loads: derivative of the nodal forces by the changes, then by the numbers of the materials, by step.
         dear: what changes cost beside what they explain.
+        held: inverse variance of the numbers of the materials without data.
     """
     count, sigma = len(dear), test.sigma_of(states)
     shared, random = test.shared(states, sigma), np.random.default_rng(0)
@@ -36,9 +41,8 @@ def promising(
     known = shared.weighed([np.c_[r, answer.over(sigma)] for r, answer in each])
     columns = [np.c_[each, random.standard_normal((len(each), PROBES))] for each in known]
     pulled = test.adjoint(states, loads, sigma, columns)
-    number = pulled.shape[0] - count
-    slope, across, probes = np.split(pulled, [1, 1 + number], axis=1)
-    own = across[count:] + test.problem.strategy.ridge * np.eye(number)
+    slope, across, probes = np.split(pulled, [1, 1 + len(held)], axis=1)
+    own = across[count:] + np.diag(held)
     follow = np.linalg.solve(own, np.c_[across[:count].T, slope[count:]])
     slope = slope[:count, 0] - across[:count] @ follow[:, -1]
     curvature = (probes[:count] ** 2).mean(axis=1) - np.einsum("cn,nc->c", across[:count], follow[:, :-1])

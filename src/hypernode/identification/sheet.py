@@ -29,11 +29,18 @@ class CellMaterials(Pieces):
         materials: parameters (material, parameter).
         one: material of every cell; of a cut one it says nothing (cell,).
         factor: by which each cell is stiffer than its materials (cell,).
+        added: to the parameters of the material of every cell that no line cuts (cell, parameter), or none.
     """
 
     materials: Float[np.ndarray, "material parameter"]
     one: Int[np.ndarray, " cell"]
     factor: Float[np.ndarray, " cell"]
+    added: Float[np.ndarray, "cell parameter"] | float = 0.0
+
+    @property
+    def of_cells(self) -> Float[np.ndarray, "cell parameter"]:
+        """Parameters of every cell that no line cuts."""
+        return self.materials[self.one] + self.added
 
     def layers(
         self,
@@ -140,7 +147,7 @@ class Sheet:
     def _of_whole_cells(self, function, F, of: CellMaterials):
         """What a function of F and parameters at points makes of cells that are of one material [..., quad, cell]."""
         quads, cells = F.shape[2:]
-        found = function(F.reshape(2, 2, -1), np.tile(of.materials[of.one].T, (1, quads)))
+        found = function(F.reshape(2, 2, -1), np.tile(of.of_cells.T, (1, quads)))
         return [each.reshape(*each.shape[:-1], quads, cells) for each in found]
 
     def _whole(self, of: CellMaterials):

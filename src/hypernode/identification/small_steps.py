@@ -1,17 +1,19 @@
 """Materials and lines from the smallest load steps, in which law and direction matter least."""
 
+from collections.abc import Iterable, Iterator
+
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.moves import Moves
 from hypernode.identification.parting import Parting
 from hypernode.identification.trials import NEAR
 
-MOVE = "one material, smallest load steps"
 
+def from_smallest(parting: Parting, one: Candidate) -> Iterator[Candidate]:
+    """Materials and lines that the smallest load steps tell, in the largest; nothing where they tell none.
 
-def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
-    """Materials and lines that the smallest load steps tell, in the largest; None where they tell none.
-
-    Fibres are taken where they explain half of the squares that a factor leaves of these steps, in blocks as large.
+    Those that these steps speak for come first. Then comes one material more, where that was tried, and a gradual
+    change that leaves less. Small steps show where materials are. How many there are is told by the law, which only
+    the largest steps tell.
 
     Args:
         parting: the search in the steps that count.
@@ -19,44 +21,48 @@ def from_smallest(parting: Parting, one: Candidate) -> Candidate | None:
     """
     trials, finds, steps = parting.trials, parting.finds_window, parting.smallest(one)
     small = Parting(trials, steps, finds, small=True)
-    alone = trials.descend(MOVE, None, one.problem, one.fit.field, one.u, steps, NEAR)
+    alone = trials.descend("one material, smallest load steps", None, one.problem, one.fit.field, one.u, steps, NEAR)
     if alone is None:
-        return None
+        return
     beside = small.beside(alone)
-    directed = small.with_direction(alone, beside) if "fibre" in trials.settings.terms else beside
-    if directed.found is not None and (beside.found is None or directed.found.halves(beside.found)):
-        kept = small.parted(alone, directed)
-    else:
-        kept = small.parted(alone, small.in_cells(beside))
+    directed = small.with_fibres(alone, beside) if "fibre" in trials.settings.terms else None
+    kept = small.parted(alone, directed or small.in_cells(beside))
     if kept is None or kept is alone:
-        return None
-    loading, u = one.problem.observations.loading, dict(kept.u)
-    for k in set(parting.steps) - set(steps):
-        like = next(step for step in steps if loading.load_case[step] == loading.load_case[k])
-        # What materials change grows about as the load does.
-        u[k] = one.u[k] + (kept.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
-    move, window = "the same, largest load steps", kept.fit.window
-    return trials.descend(move, kept, kept.problem, kept.fit.field, u, parting.steps, NEAR, window, move_lines=False)
+        return
+    loading = one.problem.observations.loading
+    less = small.gradual is not None and small.gradual.fit.misfit < kept.fit.misfit
+    for told in filter(None, (kept, small.one_more, small.gradual if less else None)):
+        u = dict(told.u)
+        for k in set(parting.steps) - set(steps):
+            like = next(step for step in steps if loading.load_case[step] == loading.load_case[k])
+            # What materials change grows about as the load does.
+            u[k] = one.u[k] + (told.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
+        field, window = told.fit.field, told.fit.window
+        move = "the same, largest load steps"
+        found = trials.descend(move, told, told.problem, field, u, parting.steps, NEAR, window, move_lines=False)
+        if found is not None:
+            yield found
 
 
-def of_likelier_cut(parting: Parting, moves: Moves, one: Candidate, kept: Candidate) -> Candidate:
-    """A candidate, or materials that the smallest load steps tell, with their law, where these explain more.
+def of_likeliest_cut(parting: Parting, moves: Moves, kept: Candidate, others: Iterable[Candidate]) -> Candidate:
+    """A candidate, or other materials with the terms that pay there, where these explain more.
 
-    Several materials that were cut before fibres were known may stand for directions. Small steps are asked once.
+    Materials that were cut before fibres were known may stand for directions, or be too few. So others are asked where
+    the law has fibres and there are several, or more than noise is left.
 
     Args:
         parting, moves: the search in the steps that count.
-        one: the homogeneous sheet.
         kept: with a law.
+        others: materials with lines that may stand in their place.
     """
-    asked = parting.trials.was_tried(MOVE, None)
-    if kept.fit.field.count <= 2 or "fibre" not in kept.terms or asked:
-        return kept
-    other = from_smallest(parting, one)
-    if other is None:
-        return kept
-    other = moves.merged(moves.with_law(other))
-    gain = other.gain_over(kept)
-    better, worse = (other, kept) if gain > 0.0 else (kept, other)
-    parting.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
-    return better
+    others = iter(others)
+    while "fibre" in kept.terms and (kept.fit.field.count > 2 or kept.leaves_more_than_noise):
+        other = None if len(kept.fit.field.gradual) else next(others, None)
+        if other is None:
+            break
+        other = moves.merged(moves.with_law(other))
+        gain = other.gain_over(kept)
+        better, worse = (other, kept) if gain > 0.0 else (kept, other)
+        parting.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
+        kept = better
+    return kept

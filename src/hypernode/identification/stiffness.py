@@ -119,13 +119,16 @@ class CellDescent:
         mesh, best = self._test.sheet.mesh, None
         groups = blocks(mesh, BLOCKS[0])
         for start in starts:
-            found = self._descend(np.tile(start, (len(mesh.cells), 1)), guesses, groups, CONVEX_STEPS)
+            values = np.tile(start, (len(mesh.cells), 1))
+            if others is not None:
+                values[:, : others.values.shape[1]] += others.values
+            found = self._descend(values, guesses, groups, CONVEX_STEPS)
             if found is not None and (best is None or found.misfit < best.misfit):
                 best = found
         if best is None:
             return None
         best = best._replace(of_large=best.misfit)
-        if others is not None and best.of_large**2 >= 0.5 * others.of_large**2:
+        if others is not None and best.of_large**2 >= 0.5 * others.misfit**2:
             return best
         return self._on(best, blocks(mesh, BLOCKS[1]), STEPS, CONVEX_STEPS // 2)
 
