@@ -108,7 +108,8 @@ def test_materials_with_fibres_stand_against_those_of_small_steps(materials, ter
     kept, other, passed = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
     for each in (kept, other):
         each.terms, each.leaves_more_than_noise, each.fit.field.gradual = terms, not noise, gradual
-    moves = SimpleNamespace(with_law=lambda each: each, merged=lambda each: each)
+    same = {name: lambda each: each for name in ("with_law", "merged", "turned")}
+    moves = SimpleNamespace(**same)
     search = SimpleNamespace(trials=SimpleNamespace(passed_over=lambda each, why: passed.append(each)))
     others = iter([other])
     found = small_steps.of_likeliest_cut(search, moves, kept, others)

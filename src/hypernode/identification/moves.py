@@ -40,10 +40,11 @@ class Moves:
         return self.trials.descend("one material", None, problem, field, u, self.steps, NEAR)
 
     def with_law(self, kept: Candidate) -> Candidate:
-        """The same with the terms of the law that pay; of one material, a law that may change with its stiffness."""
-        return self._turned(LawSearch(self.trials, self.steps, self.finds_window).end(kept))
+        """The same with the terms of the law that pay."""
+        return LawSearch(self.trials, self.steps, self.finds_window).end(kept)
 
-    def _turned(self, kept: Candidate) -> Candidate:
+    def turned(self, kept: Candidate) -> Candidate:
+        """The same, whose law changes together with its gradual stiffness where that explains more of the test."""
         field = kept.fit.field
         if field.count > 1 or not len(field.gradual) or not kept.leaves_more_than_noise or not kept.terms:
             return kept

@@ -60,7 +60,7 @@ def of_likeliest_cut(parting: Parting, moves: Moves, kept: Candidate, others: It
         other = None if len(kept.fit.field.gradual) else next(others, None)
         if other is None:
             break
-        other = moves.merged(moves.with_law(other))
+        other = moves.turned(moves.merged(moves.with_law(other)))
         gain = other.gain_over(kept)
         better, worse = (other, kept) if gain > 0.0 else (kept, other)
         parting.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
