@@ -41,14 +41,12 @@ class ByCell(NamedTuple):
         states: equilibrium of every step.
         misfit: root mean square of the displacements' misfit over their noise.
         groups: number of the group of cells that share numbers, of each (cell,).
-        of_large: misfit that large blocks of cells left, where the descent began.
     """
 
     values: Float[np.ndarray, "cell number"]
     states: list
     misfit: float
     groups: Int[np.ndarray, " cell"]
-    of_large: float = np.inf
 
     def halves(self, other: "ByCell") -> bool:
         """Whether these numbers leave less than half of the squares that others leave of the same steps."""
@@ -114,7 +112,8 @@ class CellDescent:
 
         Args:
             starts: numbers from which all cells may begin; one is kept, that of which a few steps leave least.
-            others: fewer numbers of a cell. Small blocks follow only if large ones leave half of their squares.
+            others: fewer numbers of every cell, at which these begin. Small blocks follow only if large ones leave less
+                than half of their squares.
         """
         mesh, best = self._test.sheet.mesh, None
         groups = blocks(mesh, BLOCKS[0])
@@ -127,8 +126,7 @@ class CellDescent:
                 best = found
         if best is None:
             return None
-        best = best._replace(of_large=best.misfit)
-        if others is not None and best.of_large**2 >= 0.5 * others.misfit**2:
+        if others is not None and not best.halves(others):
             return best
         return self._on(best, blocks(mesh, BLOCKS[1]), STEPS, CONVEX_STEPS // 2)
 
@@ -141,7 +139,7 @@ class CellDescent:
         """Where a descent goes on with other groups."""
         guesses = [u for u, _, _ in found.states]
         further = self._descend(found.values, guesses, groups, most, done)
-        return found if further is None else further._replace(of_large=found.of_large)
+        return found if further is None else further
 
     def _cost(self, values, jump_cost: JumpCost) -> float:
         """Cost of the jumps."""
