@@ -109,9 +109,9 @@ def test_materials_with_fibres_stand_against_those_of_small_steps(materials, ter
     for each in (kept, other):
         each.terms, each.leaves_more_than_noise, each.fit.field.gradual = terms, not noise, gradual
     same = {name: lambda each: each for name in ("with_law", "merged", "turned")}
-    moves = SimpleNamespace(**same)
-    search = SimpleNamespace(trials=SimpleNamespace(passed_over=lambda each, why: passed.append(each)))
+    trials = SimpleNamespace(passed_over=lambda each, why: passed.append(each))
+    moves = SimpleNamespace(trials=trials, **same)
     others = iter([other])
-    found = small_steps.of_likeliest_cut(search, moves, kept, others)
+    found = small_steps.of_likeliest_cut(moves, kept, others)
     assert found is (other if asked and gain > 0.0 else kept) and len(list(others)) == 1 - asked
     assert passed == ([kept if gain > 0.0 else other] if asked else [])

@@ -52,6 +52,11 @@ class Splines:
         return scipy.sparse.linalg.spsolve((self.grid.T @ self.grid + self.held).tocsc(), self.grid.T @ values)
 
 
+def of_mixture(log_factor: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+    """What a law turns by where the level has a factor: one over the level falls by it."""
+    return -np.expm1(-log_factor)
+
+
 def turned(log_factor: Float[np.ndarray, " cell"], turn: Float[np.ndarray, " turned"]):
     """What is added to the parameters of every cell, beside its factor (cell, parameter); zero where no law turns.
 
@@ -60,7 +65,7 @@ def turned(log_factor: Float[np.ndarray, " cell"], turn: Float[np.ndarray, " tur
     Args:
         turn: of every parameter but the level, what is added to it where the level is much larger, or none.
     """
-    return np.outer(-np.expm1(-log_factor), np.append(0.0, turn)) if len(turn) else 0.0
+    return np.outer(of_mixture(log_factor), np.append(0.0, turn)) if len(turn) else 0.0
 
 
 def loads_of_change(response: CellResponse, mesh: Mesh, splines: Splines, gradual, turn) -> list:
@@ -70,7 +75,7 @@ def loads_of_change(response: CellResponse, mesh: Mesh, splines: Splines, gradua
     entries = by_factor.ravel(), (mesh.dofs.ravel(), np.repeat(np.arange(len(mesh.cells)), 8))
     by_cell = scipy.sparse.csr_matrix(entries, (mesh.nodes.size, len(mesh.cells)))
     by_turn = np.zeros((mesh.nodes.size, len(turn)))
-    np.add.at(by_turn, mesh.dofs, by_turned * -np.expm1(-log_factor)[:, None])
+    np.add.at(by_turn, mesh.dofs, by_turned * of_mixture(log_factor)[:, None])
     return [by_cell @ splines.fine, scipy.sparse.csr_matrix(by_turn)]
 
 

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.estimate import Estimate
+from hypernode.identification.gradual import of_mixture
 from hypernode.identification.interface_noise import Left
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.points import Points
@@ -153,7 +154,7 @@ class InterfaceEstimate(Estimate):
             gradual, turn = np.split(known + self.understated * change[-len(known) :], [len(self.field.gradual)])
             log_factor = splines.grid @ gradual
             samples[:, 0] += log_factor
-            samples[:, 1 : 1 + len(turn)] -= np.expm1(-log_factor)[:, None] * turn
+            samples[:, 1 : 1 + len(turn)] += of_mixture(log_factor)[:, None] * turn
         return np.moveaxis(samples, (1, 2), (0, 1))[:, :, None]
 
     @functools.cached_property

@@ -85,7 +85,7 @@ class Search:
             return None
         if both := moves.law_on_finer_elements(kept):
             return both
-        kept = of_likeliest_cut(parting, moves, moves.turned(moves.merged(moves.with_law(kept))), self._others)
+        kept = of_likeliest_cut(moves, moves.turned(moves.merged(moves.with_law(kept))), self._others)
         if cells := moves.of_whole_cells(kept):
             return cells, cells
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)

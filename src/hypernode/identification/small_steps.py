@@ -1,6 +1,6 @@
 """Materials and lines from the smallest load steps, in which law and direction matter least."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.moves import Moves
@@ -44,25 +44,27 @@ def from_smallest(parting: Parting, one: Candidate) -> Iterator[Candidate]:
             yield found
 
 
-def of_likeliest_cut(parting: Parting, moves: Moves, kept: Candidate, others: Iterable[Candidate]) -> Candidate:
+def of_likeliest_cut(moves: Moves, kept: Candidate, others: Iterator[Candidate]) -> Candidate:
     """A candidate, or other materials with the terms that pay there, where these explain more.
 
     Materials that were cut before fibres were known may stand for directions, or be too few. So others are asked where
     the law has fibres and there are several, or more than noise is left.
 
     Args:
-        parting, moves: the search in the steps that count.
+        moves: in the steps that count.
         kept: with a law.
         others: materials with lines that may stand in their place.
     """
-    others = iter(others)
-    while "fibre" in kept.terms and (kept.fit.field.count > 2 or kept.leaves_more_than_noise):
-        other = None if len(kept.fit.field.gradual) else next(others, None)
-        if other is None:
-            break
+    while _may_be_others(kept) and (other := next(others, None)):
         other = moves.turned(moves.merged(moves.with_law(other)))
         gain = other.gain_over(kept)
         better, worse = (other, kept) if gain > 0.0 else (kept, other)
-        parting.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
+        moves.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
         kept = better
     return kept
+
+
+def _may_be_others(kept: Candidate) -> bool:
+    field = kept.fit.field
+    several = not len(field.gradual) and (field.count > 2 or kept.leaves_more_than_noise)
+    return several and "fibre" in kept.terms
