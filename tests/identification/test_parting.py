@@ -1,4 +1,4 @@
-"""When one more material is kept, and which of two cuts."""
+"""When one more material is kept."""
 
 from types import SimpleNamespace
 
@@ -66,16 +66,6 @@ def test_a_gradual_change_begins_with_the_fibres_of_most_cells_where_cells_have_
         np.testing.assert_allclose(asked["factor"], [0.5, 1.5])
 
 
-@pytest.mark.parametrize("score", [-5.0, 5.0])
-def test_of_several_cuts_the_likeliest_is_kept(score, monkeypatch):
-    beside = SimpleNamespace(cuts=lambda count: [("", None, None), (", otherwise", None, None)])
-    passed, tried = [], [candidate(1.0, score=0.0), candidate(1.0, score=score)]
-    search = Parting(SimpleNamespace(passed_over=lambda each, why: passed.append(each)), [0], False)
-    monkeypatch.setattr(search, "_of_parts", lambda begun, beside, move, *parts: tried["otherwise" in move])
-    assert search.likelier_cut(None, beside, 2) is tried[score < 0.0]
-    assert passed == [tried[score >= 0.0]]
-
-
 @pytest.mark.parametrize("small", [True, False])
 def test_small_steps_try_every_number_of_materials_and_remember_the_first_that_was_more(small, monkeypatch):
     one = candidate(9.0, 1, 30.0)
@@ -86,7 +76,7 @@ def test_small_steps_try_every_number_of_materials_and_remember_the_first_that_w
     left = SimpleNamespace(misfit=6.0 if small else 1.0)
     beside = SimpleNamespace(found=left, known=SimpleNamespace(count=1), parts=lambda count: (None, [None] * count))
     search = Parting(SimpleNamespace(passed_over=lambda each, why: None), [0], False, small=small)
-    monkeypatch.setattr(search, "likelier_cut", lambda begun, beside, count: tried.append(count) or of_count[count])
+    monkeypatch.setattr(search, "of_parts", lambda begun, beside, count: tried.append(count) or of_count[count])
     monkeypatch.setattr(search, "_gradual", lambda begun, beside, kept: kept)
     monkeypatch.setattr(parting, "merged", lambda trials, kept, *rest: kept)
     assert search.parted(one, beside) is of_count[2]
@@ -108,7 +98,7 @@ def test_materials_with_fibres_stand_against_those_of_small_steps(materials, ter
     kept, other, passed = candidate(1.0, materials), candidate(1.0, 2, score=-gain), []
     for each in (kept, other):
         each.terms, each.leaves_more_than_noise, each.fit.field.gradual = terms, not noise, gradual
-    same = {name: lambda each: each for name in ("with_law", "merged", "turned")}
+    same = {name: lambda each: each for name in ("lawful", "turned")}
     trials = SimpleNamespace(passed_over=lambda each, why: passed.append(each))
     moves = SimpleNamespace(trials=trials, **same)
     others = iter([other])

@@ -6,29 +6,19 @@ import numpy as np
 import pytest
 
 from hypernode.fem.mesh import rectilinear
-from hypernode.identification.partition import centres, differ_inside, levels, without_small
+from hypernode.identification.partition import centres, levels, without_small
 
 
-@pytest.mark.parametrize("squared", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_levels_are_the_best_of_all(count, squared):
+def test_levels_are_the_best_of_all(count):
     values = np.random.default_rng(count).normal(size=11)
     ordered = np.sort(values)
 
     def far(cuts):
-        parts = np.split(ordered, cuts)
-        if squared:
-            return sum(((part - part.mean()) ** 2).sum() for part in parts)
-        return sum(np.abs(part - np.median(part)).sum() for part in parts)
+        return sum(np.abs(part - np.median(part)).sum() for part in np.split(ordered, cuts))
 
     best = min(far(cuts) for cuts in combinations(range(1, len(values)), count - 1))
-    found = levels(values, count, squared)
-    assert (np.abs(values[:, None] - found).min(axis=1) ** (2 if squared else 1)).sum() == pytest.approx(best)
-
-
-def test_squares_part_a_few_cells_that_are_far_from_all_others():
-    values = np.concatenate([np.linspace(-0.2, 0.2, 90), np.full(10, 1.0)])
-    assert (np.abs(values[:, None] - levels(values, 2, squared=True)).argmin(axis=1) == 1).sum() == 10
+    assert np.abs(values[:, None] - levels(values, count)).min(axis=1).sum() == pytest.approx(best)
 
 
 def test_a_part_of_few_cells_joins_what_is_around_it():
@@ -47,10 +37,3 @@ def test_cells_of_two_numbers_are_parted_where_either_differs():
     found = centres(true[label] + random.normal(0.0, 0.02, (100, 2)), 3)
     distance = np.linalg.norm(true[:, None] - found, axis=2)
     assert sorted(distance.argmin(axis=1)) == [0, 1, 2] and distance.min(axis=1).max() < 0.02
-
-
-@pytest.mark.parametrize(("strip", "differs"), [(0, False), (1, False), (2, True), (3, True)])
-def test_two_cuts_differ_where_no_line_that_moves_leads_from_one_to_the_other(strip, differs):
-    mesh = rectilinear(np.arange(9.0), np.arange(7.0))
-    column = np.round(mesh.centres[:, 0] - 0.5)
-    assert differ_inside(mesh, (column >= 8 - strip).astype(int), np.zeros(len(column), int)) == differs

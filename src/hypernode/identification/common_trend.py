@@ -26,7 +26,7 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     """
     trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
-    for begun in (kept, parting.of_two or parting.likelier_cut(one, beside, 2)):
+    for begun in (kept, parting.of_two or parting.of_parts(one, beside, 2)):
         if begun is None or begun.level > NOT_MADE_OF_FEW * kept.level:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))

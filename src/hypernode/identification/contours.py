@@ -13,6 +13,12 @@ from jaxtyping import Bool, Float, Int
 
 from hypernode.fem.mesh import Mesh
 
+#: What a side between two materials costs. The contour goes on or turns at its end: a digital straight line has no more
+#: than two directions (Rosenfeld, Digital straight line segments, 1974).
+SIDE = float(np.log(2.0))
+#: What changed labels must lower the cost by: less is chance.
+GAIN = 0.5
+
 
 @dataclass(frozen=True)
 class Options:
@@ -38,9 +44,15 @@ def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options
     touching = mesh.touching()
     both = np.concatenate([touching, touching[:, ::-1]])
     differ = both[labels[both[:, 0]] != labels[both[:, 1]]]
-    cell, label = np.unique(np.stack([differ[:, 0], labels[differ[:, 1]]], axis=1), axis=0).T
-    member = scipy.sparse.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), cell)), (len(cell), len(labels)))
-    adjacent = scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (len(labels), len(labels)))
+    return options_of(mesh, *np.unique(np.stack([differ[:, 0], labels[differ[:, 1]]], axis=1), axis=0).T)
+
+
+def options_of(mesh: Mesh, cell: Int[np.ndarray, " option"], label: Int[np.ndarray, " option"]) -> Options:
+    """These changes, and which of them are of neighbouring cells."""
+    touching = mesh.touching()
+    both, count = np.concatenate([touching, touching[:, ::-1]]), len(mesh.cells)
+    member = scipy.sparse.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), cell)), (len(cell), count))
+    adjacent = scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (count, count))
     near = scipy.sparse.triu(member @ adjacent @ member.T, 1).tocoo()
     return Options(cell, label, np.stack([near.row, near.col], axis=1))
 
@@ -70,13 +82,40 @@ class ContourModel:
     lengths: scipy.sparse.csr_matrix
     between: Float[np.ndarray, "phase phase"]
 
+    @classmethod
+    def followed(cls, options: Options, curvature, gradient, held, dear, lengths, phases: int) -> "ContourModel":
+        """The model where the numbers behind the options follow.
 
-def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel, gain: float) -> Int[np.ndarray, " cell"]:
+        Args:
+            curvature, gradient: of the misfit by the options, then by these numbers.
+            held: inverse covariance of the numbers without data (number, number).
+            dear: what each option costs beside what it explains.
+            phases: how many there are.
+        """
+        count = len(options.cell)
+        across = curvature[:count, count:]
+        follow = np.linalg.solve(curvature[count:, count:] + held, np.c_[across.T, gradient[count:]])
+        return cls(
+            options=options,
+            gradient=gradient[:count] - across @ follow[:, -1] + dear,
+            curvature=curvature[:count, :count] - across @ follow[:, :-1],
+            lengths=lengths,
+            between=1.0 - np.eye(phases),
+        )
+
+
+def sides_of(mesh: Mesh) -> scipy.sparse.csr_matrix:
+    """What sides between cells cost (cell, cell)."""
+    sides, _, _ = mesh.neighbours()
+    both = np.concatenate([sides, sides[:, ::-1]])
+    return scipy.sparse.csr_matrix((np.full(len(both), SIDE), both.T), (len(mesh.cells),) * 2)
+
+
+def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.ndarray, " cell"]:
     """The labels after every change of one option, or of two of neighbouring cells, that lowers the cost.
 
     Args:
         model: what changes of these labels cost.
-        gain: what a change must lower the cost by.
     """
     options, curvature, between = model.options, model.curvature, model.between
     labels, first = labels.copy(), labels
@@ -104,14 +143,14 @@ def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel, gain: floa
         if len(together) and together.min() < change[best[0]]:
             best = list(options.pairs[together.argmin()])
         lowered = min(change.min(), together.min(initial=np.inf))
-        if not lowered < -gain:
+        if not lowered < -GAIN:
             # Errors of far cells may hide one another.
             far = change[:, None] + change + np.outer(sign, sign) * curvature
             far[options.cell[:, None] == options.cell] = np.inf
             far[one, other] = far[other, one] = np.inf
             best = list(np.unravel_index(far.argmin(), far.shape))
             lowered = float(far[tuple(best)])
-        if not lowered < -gain:
+        if not lowered < -GAIN:
             break
         for k in best:
             gradient += sign[k] * curvature[:, k]

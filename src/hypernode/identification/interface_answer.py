@@ -8,6 +8,7 @@ import scipy.sparse
 from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import correlation_window, displacement_noise, window_uncertainty
+from hypernode.fem.factors import factorise
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
@@ -59,13 +60,19 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
 
 
 def _near(kept: Candidate, step: int) -> np.ndarray:
-    """Displacement near equilibrium: of the closest step of its load case that was fitted, by its part of the load."""
-    observations, guess = kept.problem.observations, kept.u[step].copy()
+    """Displacement near equilibrium: of the closest step of its load case that was fitted, by its part of the load.
+
+    Its edges are not quite in proportion. The sheet follows them as the tangent of that step says.
+    """
+    observations, fit, held = kept.problem.observations, kept.fit, kept.u[step].ravel()
     t, case = observations.loading.t, observations.loading.load_case
-    closest = min((k for k in kept.fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
-    free = observations.boundaries[step].free
-    guess.ravel()[free] = t[step] / t[closest] * kept.u[closest].ravel()[free]
-    return guess
+    closest = min((k for k in fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
+    u, _, K = fit.states[fit.steps.index(closest)]
+    free, near = observations.boundaries[step].free, t[step] / t[closest] * u.ravel()
+    change = held - near
+    change[free] = 0.0
+    change[free] = -factorise(K[free][:, free]).solve((K @ change)[free])
+    return (near + change).reshape(u.shape)
 
 
 def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:

@@ -85,12 +85,12 @@ class Search:
             return None
         if both := moves.law_on_finer_elements(kept):
             return both
-        kept = of_likeliest_cut(moves, moves.turned(moves.merged(moves.with_law(kept))), self._others)
+        kept = of_likeliest_cut(moves, moves.turned(moves.lawful(kept)), self._others)
         if cells := moves.of_whole_cells(kept):
             return cells, cells
         asked, more = kept, kept if kept.fit.field.count == 1 else with_what_is_missing(parting, one, beside, kept)
         if more is not kept:
-            kept = moves.merged(moves.with_law(more))
+            kept = moves.lawful(more)
         before, volume = kept, of_likelier_volume(trials, kept, moves.steps, moves.finds_window)
         kept, self.keeps_volume = volume.kept, volume.far
         if kept is not before and kept.leaves_mostly_no_noise and (again := self._again_with_volume(kept)):

@@ -1,14 +1,13 @@
 """What materials and lines lack, where they leave mostly no noise under the law that was found.
 
-Pieces of the same materials come first. Then another cut into more materials stands against a gradual change of all of
-them: what either leaves decides (docs/decisions/0199).
+Another cut into more materials stands against a gradual change of all of them: what either leaves decides
+(docs/decisions/0199).
 """
 
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.common_trend import with_common_trend
 from hypernode.identification.parting import Parting
-from hypernode.identification.pieces import with_pieces
 
 
 def with_what_is_missing(parting: Parting, one: Candidate, beside: Beside, kept: Candidate) -> Candidate:
@@ -24,10 +23,9 @@ def with_what_is_missing(parting: Parting, one: Candidate, beside: Beside, kept:
     on_top = parting.in_cells(parting.beside(kept))
     if on_top.found is None:
         return kept
-    pieced = with_pieces(parting, kept, on_top)
-    more = parting.parted(kept, on_top) if pieced is kept else pieced
-    if more is kept or more is pieced:
-        return more
+    more = parting.parted(kept, on_top)
+    if more is kept:
+        return kept
     common = with_common_trend(parting, one, beside, kept)
     gain = more.gain_over(common)
     if common is kept or gain > 0.0:

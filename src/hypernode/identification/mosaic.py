@@ -11,20 +11,22 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.fem.contour import ContourLines
-from hypernode.fem.mesh import Mesh
 from hypernode.identification.coats import Cut, Cuts, layers_of
-from hypernode.identification.contours import ContourModel, Options, at_contours, options_at_contours, relabelled
+from hypernode.identification.contours import (
+    SIDE,
+    ContourModel,
+    Options,
+    at_contours,
+    options_at_contours,
+    relabelled,
+    sides_of,
+)
 from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials, CellResponse
 
-#: What a side between two materials costs. The contour goes on or turns at its end: a digital straight line has no more
-#: than two directions (Rosenfeld, Digital straight line segments, 1974).
-SIDE = float(np.log(2.0))
-#: What changed labels must lower the cost by: less is chance.
-GAIN = 0.5
 #: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
 SHARES = (1.0, 0.5, 0.25, 0.1)
 #: How many of these changes are tried alone.
@@ -98,7 +100,7 @@ class Mosaic(Interfaces):
         options = options_at_contours(self.lines.grid.mesh, self.of_cells)
         if not len(options.cell) or (model := self._model(test, states, options)) is None:
             return []
-        labels = relabelled(self.of_cells, model, GAIN)
+        labels = relabelled(self.of_cells, model)
         changed = np.flatnonzero(labels != self.of_cells)
         order = changed[np.argsort(self._promised(model, labels, changed), kind="stable")]
         sets = [order[: int(np.ceil(share * len(order)))] for share in SHARES if len(order)]
@@ -121,10 +123,14 @@ class Mosaic(Interfaces):
 
     def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
         """The misfit by options, as a quadratic form whose materials follow."""
-        some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
+        some, half_way, held = (
+            np.ones(len(options.cell), bool),
+            self._half_way(options),
+            np.diag(held_of_materials(self)),
+        )
         if len(some) > ALL:
             loads = self._loads_at(test, states, half_way, options)
-            some = promising(test, states, loads, self._dearer(options), held_of_materials(self))
+            some = promising(test, states, loads, self._dearer(options), held)
         if not some.any():
             return None
         tolerance, between = test.problem.strategy.newton_tolerance, []
@@ -134,20 +140,11 @@ class Mosaic(Interfaces):
             return None
         columns = np.append(some, np.ones(self.materials.size, bool))
         loads = [each[:, columns] for each in self._loads_at(test, between, half_way, options)]
-        options = options.those(some)
-        sigma, count = test.sigma_of(states), len(options.cell)
+        options, sigma, sides = options.those(some), test.sigma_of(states), sides_of(self.lines.grid.mesh)
         jacobians = test.jacobians(between, loads, sigma)
         curvature, gradient = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
-        own = curvature[count:, count:] + np.diag(held_of_materials(self))
-        follow = np.linalg.solve(own, np.c_[curvature[count:, :count], gradient[count:]])
-        across, sides = curvature[:count, count:], _sides(self.lines.grid.mesh)
-        return ContourModel(
-            options=options,
-            gradient=gradient[:count] - across @ follow[:, -1] + self._dearer(options),
-            curvature=curvature[:count, :count] - across @ follow[:, :-1],
-            lengths=sides if self.given is None else 0.0 * sides,
-            between=1.0 - np.eye(self.count),
-        )
+        lengths = sides if self.given is None else 0.0 * sides
+        return ContourModel.followed(options, curvature, gradient, held, self._dearer(options), lengths, self.count)
 
     def _dearer(self, options: Options) -> Float[np.ndarray, " option"]:
         """What each option costs beside the length of contours: to be another label than was given, or none."""
@@ -189,10 +186,3 @@ class Mosaic(Interfaces):
         rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
         by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (mesh.nodes.size, number))
         return scipy.sparse.hstack([by_options, self.loads_of_materials(response, of)], format="csr")
-
-
-def _sides(mesh: Mesh) -> scipy.sparse.csr_matrix:
-    """What sides between cells cost (cell, cell)."""
-    sides, _, _ = mesh.neighbours()
-    both = np.concatenate([sides, sides[:, ::-1]])
-    return scipy.sparse.csr_matrix((np.full(len(both), SIDE), both.T), (len(mesh.cells),) * 2)

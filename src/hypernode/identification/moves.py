@@ -12,6 +12,7 @@ from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import Parting
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.topological_derivative import with_other_cells
 from hypernode.identification.trials import FAR, FINER, NEAR, Trials, homogeneous_displacement
 from hypernode.identification.volume import of_likelier_volume
 
@@ -62,6 +63,17 @@ class Moves:
         """The same, two materials of which are one where data hardly tell them apart."""
         return merged(self.trials, kept, self.steps, self.finds_window)
 
+    def lawful(self, kept: Candidate) -> Candidate:
+        """The same with the terms that pay, of no more materials than data tell apart, each cell of the likeliest."""
+        kept = self.merged(self.with_law(kept))
+        other = self.with_other_cells(kept)
+        return kept if other is kept else self.merged(self.with_law(other))
+
+    def with_other_cells(self, kept: Candidate) -> Candidate:
+        """The same once no cell would rather be of another material."""
+        several = kept.fit.field.count > 1
+        return with_other_cells(self.trials, kept, self.steps, self.finds_window) if several else kept
+
     def of_one(self, alone: Candidate) -> Candidate:
         """One material with the likeliest law and volume."""
         return of_likelier_volume(self.trials, self.with_law(alone), self.steps, self.finds_window).kept
@@ -95,7 +107,7 @@ class Moves:
 
     def with_law_and_finer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
         """(a candidate with the terms that pay, the same on finer elements), two materials as one where hardly told."""
-        kept, finer = self.finer_and_plainer(self.merged(self.with_law(kept)))
+        kept, finer = self.finer_and_plainer(self.lawful(kept))
         return kept, self.merged(finer)
 
     def plainer(self, finer: Candidate) -> Candidate:
@@ -113,7 +125,7 @@ class Moves:
         missed = self._missed_by_elements(kept)
         if kept.level > missed:
             return None
-        finer = self.merged(self.with_law(self.finer(kept)))
+        finer = self.lawful(self.finer(kept))
         finer = of_likelier_volume(self.trials, finer, self.steps, self.finds_window).kept
         if not finer.leaves_more_than_noise or finer.level <= missed / FINER:
             law = LawSearch(self.trials, self.steps, self.finds_window)

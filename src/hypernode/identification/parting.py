@@ -147,9 +147,7 @@ class Parting:
         trials, first, kept = self.trials, begun.fit.field.count == 1, begun
         # On top of another law, as many materials may lie elsewhere.
         for count in range(beside.known.count + first, most + 1):
-            if len(beside.parts(count)[1]) < count:
-                break
-            found = self.likelier_cut(begun, beside, count)
+            found = self.of_parts(begun, beside, count)
             if found is None:
                 continue
             if first and count == 2:
@@ -183,25 +181,14 @@ class Parting:
         halves = (self._small or kept.fit.field.count > 1) and found.halves(kept)
         return "leaves twice the squares of" if halves else ""
 
-    def likelier_cut(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
-        """So many materials from the likeliest of several cuts, where these differ by more than lines may move."""
-        best = None
-        for how, labels, materials in beside.cuts(count):
-            found = self._of_parts(begun, beside, f"{count} materials and lines{how}", labels, materials)
-            if found is None or best is None:
-                best = best or found
-                continue
-            gain = found.gain_over(best)
-            better, worse = (found, best) if gain > 0.0 else (best, found)
-            self.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")
-            best = better
-        return best
-
-    def _of_parts(self, begun: Candidate, beside: Beside, move: str, labels, materials) -> Candidate | None:
-        """Materials with lines where numbers of every cell are cut; None without equilibrium."""
+    def of_parts(self, begun: Candidate, beside: Beside, count: int) -> Candidate | None:
+        """So many materials with lines where numbers of every cell are cut; None where they cannot be."""
+        labels, materials = beside.parts(count)
+        if len(materials) < count:
+            return None
         field = Interfaces.around(beside.known.lines, materials, labels)
         window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
-        finds, u, steps = self.finds_window, beside.reached, self.steps
+        finds, u, steps, move = self.finds_window, beside.reached, self.steps, f"{count} materials and lines"
         return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
 
     def _gradual(self, begun: Candidate, beside: Beside, kept: Candidate) -> Candidate:

@@ -16,15 +16,13 @@ MEDIANS = 30
 FEWEST_CELLS = 3
 
 
-def centres(
-    values: Float[np.ndarray, "cell number"], count: int, squared: bool = False
-) -> Float[np.ndarray, "centre number"]:
+def centres(values: Float[np.ndarray, "cell number"], count: int) -> Float[np.ndarray, "centre number"]:
     """The centres from which the numbers of cells are least far in the mean: of one number its :func:`levels`.
 
     Of several, medians of what is nearest to each, again and again, from the levels along each principal axis.
     """
     if values.shape[1] == 1:
-        return levels(values[:, 0], count, squared)[:, None]
+        return levels(values[:, 0], count)[:, None]
     best, least = None, np.inf
     for axis in np.linalg.svd(values - values.mean(axis=0), full_matrices=False)[2]:
         along = values @ axis
@@ -40,15 +38,11 @@ def centres(
     return best
 
 
-def levels(values: Float[np.ndarray, " cell"], count: int, squared: bool = False) -> Float[np.ndarray, " level"]:
+def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, " level"]:
     """The levels from which values are least far in the mean: medians in one dimension, found exactly.
 
     They are found by dynamic programming over sorted values (Wang and Song, Ckmeans.1d.dp, The R Journal 3, 2011).
-    Distances stand in the place of their squares, which a blurred interface between far levels would rule. Squares,
-    with means as levels, part a few cells that are far from all others. Distances join these with the nearer half.
-
-    Args:
-        squared: whether squares count.
+    Distances stand in the place of their squares, which a blurred interface between far levels would rule.
     """
     v = np.sort(values)
     v = v[np.linspace(0, len(v) - 1, min(len(v), QUANTILES)).round().astype(int)]
@@ -58,9 +52,6 @@ def levels(values: Float[np.ndarray, " cell"], count: int, squared: bool = False
     below = v[middle] * (middle - first + 1) - (total[middle + 1] - total[first])
     above = total[last + 1] - total[middle + 1] - v[middle] * (last - middle)
     cost = below + above
-    if squared:
-        squares, size = np.concatenate([[0.0], np.cumsum(v**2)]), np.maximum(last + 1 - first, 1)
-        cost = squares[last + 1] - squares[first] - (total[last + 1] - total[first]) ** 2 / size
     cost = np.where(first <= last, cost, np.inf)
     best, splits = cost[0], []
     for _ in range(count - 1):
@@ -74,7 +65,7 @@ def levels(values: Float[np.ndarray, " cell"], count: int, squared: bool = False
     starts.insert(0, 0)
     lasts = [*(start - 1 for start in starts[1:]), number - 1]
     ranges = zip(starts, lasts, strict=True)
-    return np.array([v[a : b + 1].mean() if squared else v[(a + b) // 2] for a, b in ranges])
+    return np.array([v[(a + b) // 2] for a, b in ranges])
 
 
 def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FEWEST_CELLS) -> Int[np.ndarray, " cell"]:
@@ -92,22 +83,12 @@ def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FE
     return labels
 
 
-def differ_inside(mesh: Mesh, one: Int[np.ndarray, " cell"], other: Int[np.ndarray, " cell"]) -> bool:
-    """Whether two cuts differ in a cell and in all that touch it, so that no line that moves leads to the other."""
-    differs, pairs = one != other, mesh.touching()
-    alike_beside = np.zeros(len(one), bool)
-    for here, there in (pairs.T, pairs.T[::-1]):
-        alike_beside[here[~differs[there]]] = True
-    return bool((differs & ~alike_beside).any())
-
-
 def parts(
     numbers: Float[np.ndarray, "cell number"],
     count: int,
     known: Interfaces,
     columns: list[int],
     of_materials: Float[np.ndarray, "material number"],
-    squared: bool = False,
 ) -> tuple[Int[np.ndarray, " cell"], Float[np.ndarray, "material parameter"]]:
     """(number of the part of every cell, its material) of parts of about equal numbers, the largest first.
 
@@ -119,9 +100,8 @@ def parts(
         known: the materials before, and their lines.
         columns: parameters that numbers add to.
         of_materials: numbers of each of these.
-        squared: of :func:`levels`.
     """
-    centre, before = centres(numbers, count, squared), known.labels()
+    centre, before = centres(numbers, count), known.labels()
     nearest = np.linalg.norm(numbers[:, None] - centre, axis=2).argmin(axis=1)
     labels = without_small(known.lines.grid.mesh, nearest)
     size = np.bincount(labels, minlength=len(centre))

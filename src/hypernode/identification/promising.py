@@ -14,7 +14,7 @@ from hypernode.identification.seen_test import SeenTest
 #: Random residuals, by which curvatures are known to a fifth.
 PROBES = 64
 #: Part of a change up to which it promises nothing, were it real.
-LEAST_PART = 0.1
+LEAST_PART = 0.05
 #: What contours may pay for a change: four sides of a cell.
 PAID = 4.0 * float(np.log(2.0))
 
@@ -24,26 +24,25 @@ def promising(
     states,
     loads: list[scipy.sparse.csr_matrix],
     dear: Float[np.ndarray, " change"],
-    held: Float[np.ndarray, " number"],
+    held: Float[np.ndarray, "number number"],
 ) -> Bool[np.ndarray, " change"]:
-    """Which changes promise something, where the materials follow.
+    """Which changes promise something, where other numbers of the field follow.
 
     Args:
         states: equilibrium of every step.
-        loads: derivative of the nodal forces by the changes, then by the numbers of the materials, by step.
+        loads: derivative of the nodal forces by the changes, then by the numbers that follow, by step.
         dear: what changes cost beside what they explain.
-        held: inverse variance of the numbers of the materials without data.
+        held: inverse covariance of those numbers without data.
     """
     count, sigma = len(dear), test.sigma_of(states)
     shared, random = test.shared(states, sigma), np.random.default_rng(0)
-    materials = test.answers(states, [load.tocsc()[:, count:] for load in loads])
-    each = zip(test.residuals(states, sigma), materials, strict=True)
-    known = shared.weighed([np.c_[r, answer.over(sigma)] for r, answer in each])
-    columns = [np.c_[each, random.standard_normal((len(each), PROBES))] for each in known]
-    pulled = test.adjoint(states, loads, sigma, columns)
-    slope, across, probes = np.split(pulled, [1, 1 + len(held)], axis=1)
-    own = across[count:] + np.diag(held)
-    follow = np.linalg.solve(own, np.c_[across[:count].T, slope[count:]])
-    slope = slope[:count, 0] - across[:count] @ follow[:, -1]
-    curvature = (probes[:count] ** 2).mean(axis=1) - np.einsum("cn,nc->c", across[:count], follow[:, :-1])
-    return slope + dear + 0.5 * LEAST_PART * np.maximum(curvature, 0.0) < PAID
+    answers = test.answers(states, [load.tocsc()[:, count:] for load in loads])
+    J = [answer.over(sigma) for answer in answers]
+    weighed = shared.weighed([np.c_[r, j] for r, j in zip(test.residuals(states, sigma), J, strict=True)])
+    # What the numbers explain is taken off.
+    columns = [np.c_[w[:, 0], random.standard_normal((len(w), PROBES))] for w in weighed]
+    own = held + sum(j.T @ w[:, 1:] for j, w in zip(J, weighed, strict=True))
+    explained = np.linalg.solve(own, sum(j.T @ each for j, each in zip(J, columns, strict=True)))
+    left = [each - w[:, 1:] @ explained for each, w in zip(columns, weighed, strict=True)]
+    slope, *pulled = test.adjoint(states, [load[:, :count] for load in loads], sigma, left).T
+    return slope + dear + 0.5 * LEAST_PART * np.mean(np.square(pulled), axis=0) < PAID

@@ -1,6 +1,6 @@
 """Finite elements of a sheet of a few materials and lines between them: forces, tangent, and what decides them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import scipy.sparse
@@ -41,6 +41,11 @@ class CellMaterials(Pieces):
     def of_cells(self) -> Float[np.ndarray, "cell parameter"]:
         """Parameters of every cell that no line cuts."""
         return self.materials[self.one] + self.added
+
+    def all_of(self, material: int) -> "CellMaterials":
+        """Cells that are all of one of the materials, which no line cuts."""
+        none = {each.name: getattr(self, each.name)[:0] for each in fields(Pieces)}
+        return replace(self, one=np.full_like(self.one, material), **none)
 
     def layers(
         self,
@@ -136,13 +141,17 @@ class Sheet:
         F, whole = self._deformation(u), self._whole(of)
         D = self._of_whole_cells(lambda *given: (self.points.by_parameters(*given),), F, of)[0]
         layers = of.layers(self.points, F[..., of.cell], True) if len(of.cell) else None
-        force = None
-        if by_factor:
-            P, _ = self._of_whole_cells(self.points.stress, F, of)
-            P = P if layers is None else self._with_layers(P, layers.P, of)
-            force = self._forces((P * of.factor)[:, :, None])[..., 0]
+        force = self.cell_forces(u, of) if by_factor else None
         pieces = _no_pieces(D.shape[2]) if layers is None else self._of_pieces(layers, of)
         return CellResponse(by_one=self._forces(D * whole * of.factor), by_factor=force, **pieces)
+
+    def cell_forces(self, u: Float[np.ndarray, "node 2"], of: CellMaterials) -> Float[np.ndarray, "cell 8"]:
+        """Nodal forces of every cell."""
+        F = self._deformation(u)
+        P, _ = self._of_whole_cells(self.points.stress, F, of)
+        if len(of.cell):
+            P = self._with_layers(P, of.layers(self.points, F[..., of.cell], False).P, of)
+        return self._forces((P * of.factor)[:, :, None])[..., 0]
 
     def _of_whole_cells(self, function, F, of: CellMaterials):
         """What a function of F and parameters at points makes of cells that are of one material [..., quad, cell]."""

@@ -56,7 +56,7 @@ def of_likeliest_cut(moves: Moves, kept: Candidate, others: Iterator[Candidate])
         others: materials with lines that may stand in their place.
     """
     while _may_be_others(kept) and (other := next(others, None)):
-        other = moves.turned(moves.merged(moves.with_law(other)))
+        other = moves.turned(moves.lawful(other))
         gain = other.gain_over(kept)
         better, worse = (other, kept) if gain > 0.0 else (kept, other)
         moves.trials.passed_over(worse, f"scores {abs(gain):+.1f} against another cut")

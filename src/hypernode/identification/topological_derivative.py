@@ -1,0 +1,111 @@
+"""Cells that would rather be of another material: a topological derivative of the misfit.
+
+A line moves along its normal. So no descent makes a region, closes a gap, or parts two regions that touch. A cell of
+another material loads its nodes with the difference of both stresses. Its deformation follows: in a disc that is m
+times as stiff, shear is 2 / (1 + m) of what is around it (Eshelby, 1957). The materials, lines and their numbers follow
+as well: what they explain is no gain.
+"""
+
+import dataclasses
+
+import numpy as np
+import scipy.sparse
+from jaxtyping import Float, Int
+
+from hypernode.identification.candidate import Candidate
+from hypernode.identification.contours import ContourModel, Options, options_of, relabelled, sides_of
+from hypernode.identification.interface_fit import REACH
+from hypernode.identification.interface_numbers import numbers_of
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.promising import promising
+from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.trials import FAR, Trials
+
+#: How often cells change at most.
+ROUNDS = 5
+#: How far a piece begins to reach from the centre of its cell, in sides of cells: just beyond the corners.
+REACHES = 0.8
+
+
+def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
+    """A candidate once no cell would rather be of another of its materials.
+
+    All cells that would are tried together, and the lines move.
+
+    Args:
+        steps: load steps that count.
+        finds_window: whether the side of the window is sought.
+    """
+    for _ in range(ROUNDS):
+        field, window = kept.fit.field, kept.fit.window
+        labels = rather(SeenTest(kept.problem, steps, window), field, kept.fit.states)
+        changed = int((labels != field.labels()).sum())
+        if not changed:
+            break
+        move, other = f"{changed} cells of another material", with_pieces(field, labels).measured_anew(1)
+        found = trials.descend(move, kept, kept.problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
+        gain = -np.inf if found is None else found.gain_over(kept)
+        better, worse = (found, kept) if gain > 0.0 else (kept, found)
+        if worse is not None:
+            trials.passed_over(worse, f"scores {abs(gain):+.1f} against other cells")
+        if better is kept:
+            break
+        kept = better
+    return kept
+
+
+def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"]:
+    """The material that every cell of the grid would rather be of.
+
+    Args:
+        states: equilibrium of every step of the test.
+    """
+    labels, moves = field.labels(), field.moves(REACH)
+    options = options_of(field.lines.grid.mesh, *np.nonzero(labels[:, None] != np.arange(field.count)))
+    each = [(_loads(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
+    loads, numbers = (
+        [scipy.sparse.hstack(both, format="csc") for both in each],
+        numbers_of(test.problem, field, moves, None),
+    )
+    of_lines = np.arange(len(numbers.y)) >= numbers.of_materials
+    held = numbers.held.toarray() + np.diag(of_lines * numbers.floor)
+    some = promising(test, states, loads, np.zeros(len(options.cell)), held)
+    columns, sigma = np.append(some, np.ones(len(held), bool)), test.sigma_of(states)
+    jacobians = test.jacobians(states, [load[:, columns] for load in loads], sigma)
+    normal = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
+    sides = sides_of(field.lines.grid.mesh)
+    return relabelled(labels, ContourModel.followed(options.those(some), *normal, held, 0.0, sides, field.count))
+
+
+def _loads(test: SeenTest, field: Interfaces, u, options: Options) -> scipy.sparse.csr_matrix:
+    """Derivative of the nodal forces by every option (degree of freedom, option)."""
+    of, mesh, inside = field.cells()[0], field.lines.fine.mesh, test.problem.refinement.subcells
+    now = test.sheet.cell_forces(u, of)
+    change = np.empty((field.count, *now.shape))
+    for k in range(field.count):
+        other = test.sheet.cell_forces(u, of.all_of(k))
+        stiffer = np.linalg.norm(other, axis=1) / np.maximum(np.linalg.norm(now, axis=1), np.finfo(float).tiny)
+        change[k] = (other - now) * (2.0 / (1.0 + stiffer))[:, None]
+    cells = inside[options.cell]
+    values, rows = change[options.label[:, None], cells], mesh.dofs[cells]
+    columns = np.broadcast_to(np.arange(len(cells))[:, None, None], rows.shape)
+    return scipy.sparse.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), (u.size, len(cells)))
+
+
+def with_pieces(field: Interfaces, labels: Int[np.ndarray, " cell"]) -> Interfaces:
+    """The field with pieces of materials in the cells whose label is another one."""
+    before, distances = field.labels(), field.distances.copy()
+    for cell in np.flatnonzero(labels != before):
+        piece = REACHES - _from_centre(field, cell)
+        for k in range(max(labels[cell], 1), field.count):
+            # What is laid later would hide the piece.
+            own = k == labels[cell]
+            distances[k - 1] = np.maximum(distances[k - 1], piece) if own else np.minimum(distances[k - 1], -piece)
+    return dataclasses.replace(field, distances=distances)
+
+
+def _from_centre(field: Interfaces, cell: int) -> Float[np.ndarray, " node"]:
+    """Distance of every node of the grid from the centre of a cell, in sides of cells."""
+    mesh = field.lines.grid.mesh
+    places = np.stack(np.divmod(mesh.places, len(mesh.lines[0])), axis=1)
+    return np.linalg.norm(places - places[mesh.cells[cell]].mean(axis=0), axis=1)
