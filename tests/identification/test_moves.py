@@ -71,7 +71,7 @@ def test_the_law_is_sought_on_finer_elements_where_they_change_as_much_as_coarse
     fit = SimpleNamespace(field=SimpleNamespace(count=count))
     coarse = SimpleNamespace(fit=fit, leaves_more_than_noise=not noise, level=level)
     finer, sought = SimpleNamespace(leaves_more_than_noise=left is not None, level=left), []
-    same = {"with_law": lambda kept: sought.append(kept) or kept, "merged": lambda kept: kept}
+    same = {"lawful": lambda kept: sought.append(kept) or kept}
     monkeypatch.setattr(moves_of_search, "of_likelier_volume", lambda trials, kept, steps, finds: Asked(kept))
     monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, other: None)
     moves, reasons = moving(monkeypatch, finer=lambda kept: finer, _missed_by_elements=lambda kept: 5.0, **same)
