@@ -122,7 +122,7 @@ def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.
     taken = np.zeros(len(options.cell), dtype=bool)
     gradient, own, (one, other) = model.gradient.copy(), 0.5 * np.diag(curvature), options.pairs.T
     rows = model.lengths[options.cell]
-    shared = np.asarray(rows[one, options.cell[other]]).ravel()
+    shared = np.asarray(rows[one, options.cell[other]]).ravel() if len(one) else np.zeros(0)
     each = np.arange(len(taken))
     while len(taken):
         sign = np.where(taken, -1.0, 1.0)

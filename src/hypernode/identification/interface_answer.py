@@ -25,6 +25,8 @@ from hypernode.identification.window_error import changed_by_window, told_errors
 
 #: Steps of the last descent, which begins where the search ended.
 STEPS = 20
+#: Part of the way to another step that is followed at once, at least.
+LEAST_PART = 1.0 / 32.0
 #: Ratio of what is left to the believed noise, or the other way round, beyond which that is told anew.
 NOISE_KNOWN = 1.1
 
@@ -60,19 +62,28 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
 
 
 def _near(kept: Candidate, step: int) -> np.ndarray:
-    """Displacement near equilibrium: of the closest step of its load case that was fitted, by its part of the load.
+    """Equilibrium of a step with the field of a candidate; the measured edges alone where there is none.
 
-    Its edges are not quite in proportion. The sheet follows them as the tangent of that step says.
+    It is followed from the closest step of its load case that was fitted, as far at once as Newton's method reaches.
     """
-    observations, fit, held = kept.problem.observations, kept.fit, kept.u[step].ravel()
-    t, case = observations.loading.t, observations.loading.load_case
+    problem, fit, held = kept.problem, kept.fit, kept.u[step].ravel()
+    observations, (of, _) = problem.observations, fit.field.cells()
+    t, case, free = observations.loading.t, observations.loading.load_case, observations.boundaries[step].free
     closest = min((k for k in fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
-    u, _, K = fit.states[fit.steps.index(closest)]
-    free, near = observations.boundaries[step].free, t[step] / t[closest] * u.ravel()
-    change = held - near
-    change[free] = 0.0
-    change[free] = -factorise(K[free][:, free]).solve((K @ change)[free])
-    return (near + change).reshape(u.shape)
+    (u, _, K), sheet = fit.states[fit.steps.index(closest)], SeenTest(problem, [step]).sheet
+    done, part = 0.0, 1.0
+    while done < 1.0 and part > LEAST_PART:
+        change = part / (1.0 - done) * (held - u.ravel())
+        change[free] = 0.0
+        change[free] = -factorise(K[free][:, free]).solve((K @ change)[free])
+        near = u + change.reshape(u.shape)
+        reached = sheet.equilibrium(near, free, of, problem.strategy.newton_tolerance)
+        if reached is None:
+            part = 0.5 * part
+            continue
+        (u, _, K), done = reached, done + part
+        part = min(part, 1.0 - done)
+    return u if done == 1.0 else kept.u[step]
 
 
 def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:

@@ -70,8 +70,9 @@ class Moves:
         return kept if other is kept else self.merged(self.with_law(other))
 
     def with_other_cells(self, kept: Candidate) -> Candidate:
-        """The same once no cell would rather be of another material."""
-        several = kept.fit.field.count > 1
+        """The same once no cell would rather be of another material, where none of them changes gradually."""
+        field = kept.fit.field
+        several = field.count > 1 and not len(field.gradual)
         return with_other_cells(self.trials, kept, self.steps, self.finds_window) if several else kept
 
     def of_one(self, alone: Candidate) -> Candidate:

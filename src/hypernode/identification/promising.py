@@ -17,6 +17,8 @@ PROBES = 64
 LEAST_PART = 0.05
 #: What contours may pay for a change: four sides of a cell.
 PAID = 4.0 * float(np.log(2.0))
+#: Changes that are asked at most, so that their quadratic form takes seconds and a part of a gigabyte.
+MOST = 4000
 
 
 def promising(
@@ -45,4 +47,5 @@ def promising(
     explained = np.linalg.solve(own, sum(j.T @ each for j, each in zip(J, columns, strict=True)))
     left = [each - w[:, 1:] @ explained for each, w in zip(columns, weighed, strict=True)]
     slope, *pulled = test.adjoint(states, [load[:, :count] for load in loads], sigma, left).T
-    return slope + dear + 0.5 * LEAST_PART * np.mean(np.square(pulled), axis=0) < PAID
+    cost = slope + dear + 0.5 * LEAST_PART * np.mean(np.square(pulled), axis=0)
+    return cost < PAID if count <= MOST else cost < min(PAID, np.partition(cost, MOST)[MOST])
