@@ -123,11 +123,8 @@ class Mosaic(Interfaces):
 
     def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
         """The misfit by options, as a quadratic form whose materials follow."""
-        some, half_way, held = (
-            np.ones(len(options.cell), bool),
-            self._half_way(options),
-            np.diag(held_of_materials(self)),
-        )
+        some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
+        held = np.diag(held_of_materials(self))
         if len(some) > ALL:
             loads = self._loads_at(test, states, half_way, options)
             some = promising(test, states, loads, self._dearer(options), held)

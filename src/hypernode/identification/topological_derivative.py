@@ -63,10 +63,8 @@ def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"
     labels, moves = field.labels(), field.moves(REACH)
     options = options_of(field.lines.grid.mesh, *np.nonzero(labels[:, None] != np.arange(field.count)))
     each = [(_loads(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
-    loads, numbers = (
-        [scipy.sparse.hstack(both, format="csc") for both in each],
-        numbers_of(test.problem, field, moves, None),
-    )
+    loads = [scipy.sparse.hstack(both, format="csc") for both in each]
+    numbers = numbers_of(test.problem, field, moves, None)
     of_lines = np.arange(len(numbers.y)) >= numbers.of_materials
     held = numbers.held.toarray() + np.diag(of_lines * numbers.floor)
     some = promising(test, states, loads, np.zeros(len(options.cell)), held)
