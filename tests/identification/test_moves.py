@@ -2,9 +2,11 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from hypernode.identification import moves as moves_of_search
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic_search import MosaicSearch
@@ -113,3 +115,29 @@ def test_the_volume_is_that_which_finer_elements_speak_for(monkeypatch, likelier
     monkeypatch.setattr(LawSearch, "with_law_of", lambda self, kept, law: like_it)
     moves, _ = moving(monkeypatch)
     assert moves.of_volume_told_finer(coarse, finer) == ((like_it, other) if likelier else (coarse, finer))
+
+
+@pytest.mark.parametrize(("squared", "missed"), [(4.0, False), (15.0, False), (17.0, True)])
+def test_forces_are_missed_where_chance_does_not_miss_them_so_far(squared, missed):
+    # Four forces of the steps that count: at three standard deviations chance makes 16.2.
+    forces = [SimpleNamespace(step=step) for step in (1, 1, 4, 4, 2)]
+    fit = SimpleNamespace(steps=[1, 4], force_squared=squared)
+    found = Candidate(move="", start=None, problem=SimpleNamespace(forces=forces), fit=fit, u={})
+    assert found.misses_forces is missed
+
+
+@pytest.mark.parametrize(("noise", "forces"), [(False, False), (True, False), (False, True)])
+def test_a_law_may_turn_where_displacements_or_forces_are_missed(monkeypatch, noise, forces):
+    tried = []
+    field = Interfaces(None, np.zeros((1, 2)), np.zeros((0, 4)), np.zeros(3))
+    kept = SimpleNamespace(
+        fit=SimpleNamespace(field=field),
+        leaves_more_than_noise=noise,
+        misses_forces=forces,
+        terms=("fibre",),
+        problem=None,
+        u={},
+    )
+    trials = SimpleNamespace(descend=lambda *given: tried.append(given[0]))
+    assert Moves(trials, [0], False).turned(kept) is kept
+    assert bool(tried) is (noise or forces)

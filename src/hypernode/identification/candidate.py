@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.stats import chi2, norm
 
 from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_fit import Fit
@@ -88,6 +89,12 @@ class Candidate:
         """Whether the residual of displacements is larger than noise makes it by chance."""
         known = self.problem.observations.noise_uncertainty
         return bool(self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5))
+
+    @property
+    def misses_forces(self) -> bool:
+        """Whether forces are missed by more than their errors make it by chance."""
+        count = sum(force.step in self.fit.steps for force in self.problem.forces)
+        return bool(self.fit.force_squared > chi2.isf(norm.sf(BY_CHANCE), max(count, 1)))
 
     @property
     def leaves_mostly_no_noise(self) -> bool:

@@ -47,7 +47,8 @@ class Moves:
     def turned(self, kept: Candidate) -> Candidate:
         """The same, whose law changes together with its gradual stiffness where that explains more of the test."""
         field = kept.fit.field
-        if field.count > 1 or not len(field.gradual) or not kept.leaves_more_than_noise or not kept.terms:
+        explained = not (kept.leaves_more_than_noise or kept.misses_forces)
+        if field.count > 1 or not len(field.gradual) or explained or not kept.terms:
             return kept
         turning = dataclasses.replace(field, turn=np.zeros(field.materials.shape[1] - 1))
         move = "a law that changes with the stiffness"
