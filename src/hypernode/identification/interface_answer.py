@@ -67,6 +67,8 @@ def _near(kept: Candidate, step: int) -> np.ndarray:
     It is followed from the closest step of its load case that was fitted, as far at once as Newton's method reaches.
     """
     problem, fit, held = kept.problem, kept.fit, kept.u[step].ravel()
+    if step in fit.steps:
+        return kept.u[step]
     observations, (of, _) = problem.observations, fit.field.cells()
     t, case, free = observations.loading.t, observations.loading.load_case, observations.boundaries[step].free
     closest = min((k for k in fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))

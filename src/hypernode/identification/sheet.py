@@ -141,16 +141,23 @@ class Sheet:
         F, whole = self._deformation(u), self._whole(of)
         D = self._of_whole_cells(lambda *given: (self.points.by_parameters(*given),), F, of)[0]
         layers = of.layers(self.points, F[..., of.cell], True) if len(of.cell) else None
-        force = self.cell_forces(u, of) if by_factor else None
+        force = self.cell_forces(u, of, layers) if by_factor else None
         pieces = _no_pieces(D.shape[2]) if layers is None else self._of_pieces(layers, of)
         return CellResponse(by_one=self._forces(D * whole * of.factor), by_factor=force, **pieces)
 
-    def cell_forces(self, u: Float[np.ndarray, "node 2"], of: CellMaterials) -> Float[np.ndarray, "cell 8"]:
-        """Nodal forces of every cell."""
+    def cell_forces(
+        self, u: Float[np.ndarray, "node 2"], of: CellMaterials, layers: LaminateStress | None = None
+    ) -> Float[np.ndarray, "cell 8"]:
+        """Nodal forces of every cell.
+
+        Args:
+            layers: what the layers answer to that displacement, where it is known.
+        """
         F = self._deformation(u)
         P, _ = self._of_whole_cells(self.points.stress, F, of)
         if len(of.cell):
-            P = self._with_layers(P, of.layers(self.points, F[..., of.cell], False).P, of)
+            layers = of.layers(self.points, F[..., of.cell], False) if layers is None else layers
+            P = self._with_layers(P, layers.P, of)
         return self._forces((P * of.factor)[:, :, None])[..., 0]
 
     def _of_whole_cells(self, function, F, of: CellMaterials):

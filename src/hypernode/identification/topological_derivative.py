@@ -37,17 +37,18 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         finds_window: whether the side of the window is sought.
     """
     for _ in range(ROUNDS):
-        field, window = kept.fit.field, kept.fit.window
-        labels = rather(SeenTest(kept.problem, steps, window), field, kept.fit.states)
+        problem, field, window = kept.problem, kept.fit.field, kept.fit.window
+        labels = rather(SeenTest(problem, steps, window, kept.edges(problem, steps)), field, kept.fit.states)
         changed = int((labels != field.labels()).sum())
         if not changed:
             break
         move, other = f"{changed} cells of another material", with_pieces(field, labels).measured_anew(1)
-        found = trials.descend(move, kept, kept.problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
-        gain = -np.inf if found is None else found.gain_over(kept)
+        found = trials.descend(move, kept, problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
+        if found is None:
+            break
+        gain = found.gain_over(kept)
         better, worse = (found, kept) if gain > 0.0 else (kept, found)
-        if worse is not None:
-            trials.passed_over(worse, f"scores {abs(gain):+.1f} against other cells")
+        trials.passed_over(worse, f"scores {abs(gain):+.1f} against other cells")
         if better is kept:
             break
         kept = better
