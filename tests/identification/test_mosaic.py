@@ -4,11 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+import scipy.sparse
 
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
-from hypernode.identification import mosaic
-from hypernode.identification.contours import options_at_contours
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Lines
@@ -18,6 +17,7 @@ from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
+from hypernode.identification.topological_derivative import loads_of_changes, rather
 from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -89,25 +89,33 @@ def wrong_cells():
     return test, field, test.states(field, guesses), inside
 
 
-@pytest.mark.parametrize("every", [mosaic.ALL, 0])
-def test_cells_that_were_given_the_wrong_material_change_it_at_once(wrong_cells, every, monkeypatch):
-    monkeypatch.setattr(mosaic, "ALL", every)
+def test_cells_that_were_given_the_wrong_material_change_it_at_once(wrong_cells):
     test, field, states, inside = wrong_cells
-    assert np.array_equal(field.relabelled(test, states)[0].of_cells, inside)
+    assert np.array_equal(rather(test, field, states), inside)
 
 
 def test_changes_that_promise_something_are_few_and_the_right_ones_are_among_them(wrong_cells):
     test, field, states, inside = wrong_cells
-    options = options_at_contours(test.problem.mesh, field.of_cells)
+    options = field.options()
+    materials = test.loads(field, states, [])
     loads = [
-        field._loads(test.sheet.cell_response(u, of), of, options)
-        for u, _, _ in states
-        for of in [field._half_way(options)]
+        scipy.sparse.hstack([loads_of_changes(test, field, u, options), load], format="csr")
+        for (u, _, _), load in zip(states, materials, strict=True)
     ]
-    some = promising(test, states, loads, np.zeros(len(options.cell)), held_of_materials(field))
+    some = promising(test, states, loads, np.zeros(len(options.cell)), np.diag(held_of_materials(field)))
     wrong = np.flatnonzero(field.of_cells != inside)
     assert np.isin(wrong, options.cell[some]).all()
     assert some.sum() < 0.7 * len(some)
+
+
+def test_a_material_that_is_nowhere_is_left_out(wrong_cells):
+    _, field, _, inside = wrong_cells
+    three = dataclasses.replace(field, materials=np.vstack([field.materials[:1], field.materials]), given=2 * inside)
+    labels = np.where(inside, 2, 0)
+    left = three.with_labels(labels)
+    assert left.count == 2
+    np.testing.assert_array_equal(left.materials[left.of_cells], three.materials[labels])
+    np.testing.assert_array_equal(left.given, left.of_cells)
 
 
 def test_the_adjoint_is_the_transposed_jacobian(wrong_cells):

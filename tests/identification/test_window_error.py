@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import EDGES_BEND_BESIDE, mesh_of
+from hypernode.data.measurement import mesh_of
 from hypernode.identification.camera import window_average
 from hypernode.identification.problem import field_problem
 from hypernode.identification.window_error import blurred_edges
@@ -58,14 +58,3 @@ def test_edges_that_prescribe_a_kink_are_as_wrong_as_that():
     may, size = blurred(data, noisy)[0], np.sqrt(np.asarray(boundary.errors.power(2).sum(axis=1)).ravel())
     on_edge = np.flatnonzero(boundary.mask.ravel() & (may.ravel() > 0.0))
     assert len(on_edge) and (size[on_edge] >= may.ravel()[on_edge]).all()
-
-
-def test_an_edge_that_is_believed_so_may_be_off_by_what_bends_within_half_a_window_of_it():
-    """An interface that runs along an edge bends what lies beyond it, where nobody looks."""
-    data, _, noisy = seen(0.02, 0.2)
-    data = data.assign_attrs({EDGES_BEND_BESIDE: "true"})
-    grid, step = mesh_of(data), mesh_of(data).step
-    may, bends = blurred(data, noisy)[0, :, 0], np.abs(grid.nodes[:, 0] - KINK * step)
-    largest = may.max()
-    near, far = bends < (0.5 * POINTS + 0.1) * step, bends > (1.5 * POINTS + 0.1) * step
-    assert may[near] == pytest.approx(largest, rel=0.1) and not may[far].any()

@@ -8,9 +8,6 @@ from jaxtyping import Float
 
 from hypernode.fem.mesh import EDGES, Mesh
 
-#: Attribute of a measurement as an identification believes it, and of its field; see :func:`edges_bend_beside`.
-EDGES_BEND_BESIDE = "edges_bend_beside"
-
 
 def mesh_of(dataset: xr.Dataset) -> Mesh:
     """The mesh that a file describes."""
@@ -159,8 +156,3 @@ def window_uncertainty(measurement: xr.Dataset) -> float:
 def window_sought(measurement: xr.Dataset) -> bool:
     """Whether displacements were seen through a window whose side nobody stated."""
     return correlation_window(measurement)[0] == 0.0 and window_uncertainty(measurement) > 0.0
-
-
-def edges_bend_beside(measurement: xr.Dataset) -> bool:
-    """Whether an edge may be off by what bends within half a window of it, and not by what bends there alone."""
-    return str(measurement.attrs.get(EDGES_BEND_BESIDE, "false")) == "true"

@@ -1,4 +1,4 @@
-"""Which phase every cell along a contour belongs to: the best labels of a quadratic model of the misfit.
+"""Which phase every cell belongs to: the best labels of a quadratic model of the misfit.
 
 A cell that changes its phase changes the residuals by a column of the Jacobian, and a contour costs its length. To
 first order the changes of many cells add, with the materials of the phases adjusted. The misfit is then a quadratic
@@ -73,24 +73,21 @@ class ContourModel:
         options: the changes.
         gradient, curvature: of the misfit by the options, as if they were real numbers from 0 to 1.
         lengths: length of interface between every two neighbours (cell, cell).
-        between: what a unit of length between two phases costs.
     """
 
     options: Options
     gradient: Float[np.ndarray, " option"]
     curvature: Float[np.ndarray, "option option"]
     lengths: scipy.sparse.csr_matrix
-    between: Float[np.ndarray, "phase phase"]
 
     @classmethod
-    def followed(cls, options: Options, curvature, gradient, held, dear, lengths, phases: int) -> "ContourModel":
+    def followed(cls, options: Options, curvature, gradient, held, dear, lengths) -> "ContourModel":
         """The model where the numbers behind the options follow.
 
         Args:
             curvature, gradient: of the misfit by the options, then by these numbers.
             held: inverse covariance of the numbers without data (number, number).
             dear: what each option costs beside what it explains.
-            phases: how many there are.
         """
         count = len(options.cell)
         across = curvature[:count, count:]
@@ -100,7 +97,6 @@ class ContourModel:
             gradient=gradient[:count] - across @ follow[:, -1] + dear,
             curvature=curvature[:count, :count] - across @ follow[:, :-1],
             lengths=lengths,
-            between=1.0 - np.eye(phases),
         )
 
 
@@ -117,7 +113,8 @@ def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.
     Args:
         model: what changes of these labels cost.
     """
-    options, curvature, between = model.options, model.curvature, model.between
+    options, curvature = model.options, model.curvature
+    between = 1.0 - np.eye(1 + max(labels.max(), options.label.max(initial=0)))
     labels, first = labels.copy(), labels
     taken = np.zeros(len(options.cell), dtype=bool)
     gradient, own, (one, other) = model.gradient.copy(), 0.5 * np.diag(curvature), options.pairs.T

@@ -15,7 +15,6 @@ from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
 from hypernode.data.measurement import window_sought
-from hypernode.identification.bent_edges import with_bent_edges
 from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
 from hypernode.identification.common_trend import with_common_trend
@@ -97,7 +96,7 @@ class Search:
             return again
         if self._coarse:
             return kept, kept
-        kept, finer = with_bent_edges(trials, *moves.finer_and_plainer(kept), moves.steps, moves.finds_window)
+        kept, finer = moves.finer_and_plainer(kept)
         finer = moves.merged(finer)
         if volume.open and finer is not kept:
             kept, finer = moves.of_volume_told_finer(kept, finer)

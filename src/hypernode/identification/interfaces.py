@@ -15,8 +15,12 @@ from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
 from hypernode.identification.coats import Cuts, laid, layers_of
+from hypernode.identification.contours import Options, options_of, sides_of
 from hypernode.identification.gradual import Splines, loads_of_change, turned
 from hypernode.identification.sheet import CellMaterials, CellResponse, Sheet
+
+#: How far a piece begins to reach from the centre of its cell, in sides of cells: just beyond the corners.
+REACHES = 0.8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -247,3 +251,33 @@ class Interfaces:
         more = materials.shape[1] - self.materials.shape[1]
         turn = np.append(self.turn, np.zeros(more)) if len(self.turn) and more >= 0 else np.zeros(0)
         return dataclasses.replace(self, materials=materials, turn=turn)
+
+    def options(self) -> Options:
+        """Every cell may be of every other material."""
+        return options_of(self.lines.grid.mesh, *np.nonzero(self.labels()[:, None] != np.arange(self.count)))
+
+    def dearer(self, options: Options) -> Float[np.ndarray, " option"]:
+        """What each option costs beside the length of contours: nothing."""
+        return np.zeros(len(options.cell))
+
+    @property
+    def sides(self) -> scipy.sparse.csr_matrix:
+        """What sides between materials cost (cell, cell)."""
+        return sides_of(self.lines.grid.mesh)
+
+    def with_labels(self, labels: Int[np.ndarray, " cell"]) -> "Interfaces":
+        """The field with pieces of materials in the cells whose label is another one."""
+        before, distances = self.labels(), self.distances.copy()
+        for cell in np.flatnonzero(labels != before):
+            piece = REACHES - self._from_centre(cell)
+            for k in range(max(labels[cell], 1), self.count):
+                # What is laid later would hide the piece.
+                own = k == labels[cell]
+                distances[k - 1] = np.maximum(distances[k - 1], piece) if own else np.minimum(distances[k - 1], -piece)
+        return dataclasses.replace(self, distances=distances).measured_anew(1)
+
+    def _from_centre(self, cell: int) -> Float[np.ndarray, " node"]:
+        """Distance of every node of the grid from the centre of a cell, in sides of cells."""
+        mesh = self.lines.grid.mesh
+        places = np.stack(np.divmod(mesh.places, len(mesh.lines[0])), axis=1)
+        return np.linalg.norm(places - places[mesh.cells[cell]].mean(axis=0), axis=1)

@@ -14,18 +14,12 @@ from hypernode.fem.contour import ContourLines
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import (
     SIDE,
-    ContourModel,
     Options,
     at_contours,
     options_at_contours,
-    relabelled,
-    sides_of,
 )
-from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Interfaces, Lines
-from hypernode.identification.promising import promising
-from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.sheet import CellMaterials, CellResponse
+from hypernode.identification.sheet import CellMaterials
 
 #: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
 SHARES = (1.0, 0.5, 0.25, 0.1)
@@ -91,59 +85,11 @@ class Mosaic(Interfaces):
             self, materials=np.delete(self.materials, other, axis=0), of_cells=labels - (labels > other)
         )
 
-    def relabelled(self, test: SeenTest, states) -> "list[Mosaic]":
-        """The same with labels that should explain a test better: all changes, then those that promise most.
+    def options(self) -> Options:
+        """Cells at contours may be of what they touch."""
+        return options_at_contours(self.lines.grid.mesh, self.of_cells)
 
-        Args:
-            states: equilibrium of every step of the test.
-        """
-        options = options_at_contours(self.lines.grid.mesh, self.of_cells)
-        if not len(options.cell) or (model := self._model(test, states, options)) is None:
-            return []
-        labels = relabelled(self.of_cells, model)
-        changed = np.flatnonzero(labels != self.of_cells)
-        order = changed[np.argsort(self._promised(model, labels, changed), kind="stable")]
-        sets = [order[: int(np.ceil(share * len(order)))] for share in SHARES if len(order)]
-        sets += [order[k : k + 1] for k in range(min(len(order), ALONE))]
-        found = []
-        for some in dict.fromkeys(tuple(each.tolist()) for each in sets):
-            changed = self.of_cells.copy()
-            changed[list(some)] = labels[list(some)]
-            if len(np.unique(changed)) == self.count:
-                found.append(dataclasses.replace(self, of_cells=changed))
-        return found
-
-    def _promised(self, model: ContourModel, labels, changed) -> Float[np.ndarray, " changed"]:
-        """What each change alone, of all that are promised, changes of the cost, the others made."""
-        options = model.options
-        taken = labels[options.cell] == options.label
-        slope = model.gradient + model.curvature @ taken - 0.5 * np.diag(model.curvature)
-        of_cell = dict(zip(options.cell[taken].tolist(), slope[taken].tolist(), strict=True))
-        return np.array([of_cell[cell] for cell in changed.tolist()])
-
-    def _model(self, test: SeenTest, states, options: Options) -> ContourModel | None:
-        """The misfit by options, as a quadratic form whose materials follow."""
-        some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
-        held = np.diag(held_of_materials(self))
-        if len(some) > ALL:
-            loads = self._loads_at(test, states, half_way, options)
-            some = promising(test, states, loads, self._dearer(options), held)
-        if not some.any():
-            return None
-        tolerance, between = test.problem.strategy.newton_tolerance, []
-        for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
-            between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
-        if any(each is None for each in between):
-            return None
-        columns = np.append(some, np.ones(self.materials.size, bool))
-        loads = [each[:, columns] for each in self._loads_at(test, between, half_way, options)]
-        options, sigma, sides = options.those(some), test.sigma_of(states), sides_of(self.lines.grid.mesh)
-        jacobians = test.jacobians(between, loads, sigma)
-        curvature, gradient = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
-        lengths = sides if self.given is None else 0.0 * sides
-        return ContourModel.followed(options, curvature, gradient, held, self._dearer(options), lengths, self.count)
-
-    def _dearer(self, options: Options) -> Float[np.ndarray, " option"]:
+    def dearer(self, options: Options) -> Float[np.ndarray, " option"]:
         """What each option costs beside the length of contours: to be another label than was given, or none."""
         if self.given is None:
             return np.zeros(len(options.cell))
@@ -151,35 +97,15 @@ class Mosaic(Interfaces):
         away, now = options.label != given, self.of_cells[options.cell] != given
         return self._change * (away.astype(float) - now)
 
-    def _half_way(self, options: Options) -> CellMaterials:
-        """Cells that may change as mixtures of all that they may be, in equal parts; the options come first."""
-        changing = np.unique(options.cell)
-        cell = np.concatenate([options.cell, changing])
-        material = np.concatenate([options.label, self.of_cells[changing]])
-        weight = 1.0 / np.bincount(cell, minlength=len(self.of_cells))[cell]
-        normal = np.tile([1.0, 0.0], (len(cell), 1))
-        half = np.full(len(cell), 0.5)
-        return CellMaterials(
-            materials=self.materials,
-            one=self.of_cells,
-            cell=cell,
-            first=material,
-            second=material,
-            share=half,
-            normal=normal,
-            weight=weight,
-            factor=np.ones(len(self.of_cells)),
-        )
+    @property
+    def sides(self) -> scipy.sparse.csr_matrix:
+        """What sides between materials cost: nothing where labels were given."""
+        return super().sides * (self.given is None)
 
-    def _loads_at(self, test: SeenTest, states, half_way: CellMaterials, options: Options):
-        """:meth:`_loads` by step, at given states, with changes half-way."""
-        return [self._loads(test.sheet.cell_response(u, half_way), half_way, options) for u, _, _ in states]
-
-    def _loads(self, response: CellResponse, of: CellMaterials, options: Options) -> scipy.sparse.csr_matrix:
-        """Derivative of the nodal forces by the options, then by the materials, row by row."""
-        mesh, number = self.lines.fine.mesh, len(options.cell)
-        now = np.searchsorted(np.unique(options.cell), options.cell) + number
-        change = response.by_weight[:number] - response.by_weight[now]
-        rows, columns = mesh.dofs[options.cell], np.repeat(np.arange(number), 8)
-        by_options = scipy.sparse.csr_matrix((change.ravel(), (rows.ravel(), columns)), (mesh.nodes.size, number))
-        return scipy.sparse.hstack([by_options, self.loads_of_materials(response, of)], format="csr")
+    def with_labels(self, labels: Int[np.ndarray, " cell"]) -> "Mosaic":
+        """The same with other labels. Materials that are nowhere are left out."""
+        kept, labels = np.unique(labels, return_inverse=True)
+        number = np.full(self.count, -1)
+        number[kept] = np.arange(len(kept))
+        given = None if self.given is None else number[self.given]
+        return dataclasses.replace(self, materials=self.materials[kept], of_cells=labels, given=given)

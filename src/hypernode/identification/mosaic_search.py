@@ -11,14 +11,12 @@ from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candid
 from hypernode.identification.law_search import MOST_TERMS, LawSearch
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.parting import MOST
-from hypernode.identification.seen_test import SeenTest
+from hypernode.identification.topological_derivative import ROUNDS, with_other_cells
 from hypernode.identification.trials import FAR, Trials
 from hypernode.verdict import Ending
 
 #: From how many materials there are to whole cells of them on a coarser grid.
 Contours = Callable[[int], Candidate | None]
-#: How often contours move at most.
-ROUNDS = 10
 #: Name of the move that goes on with a descent.
 MORE = "the same, more steps"
 #: Ratio of what whole cells leave to what the lines around them leave, up to which single cells may be wrong. Under
@@ -151,12 +149,10 @@ class MosaicSearch:
         What is left of displacements that is no more than the solver leaves says nothing of cells.
         """
         for _ in range(ROUNDS):
-            if kept.leaves_nothing:
+            kept = with_other_cells(self._trials, kept, self._steps, False)
+            if (more := self._further(kept)) is None:
                 break
-            moved = self._moved(kept) or self._further(kept)
-            if moved is None:
-                break
-            kept = moved
+            kept = more
         return kept
 
     def _further(self, kept: Candidate) -> Candidate | None:
@@ -169,19 +165,3 @@ class MosaicSearch:
             return None
         self._trials.passed_over(kept, "ended early")
         return found
-
-    def _moved(self, kept: Candidate) -> Candidate | None:
-        """The same with other labels at contours; None where none explain more."""
-        trials, window = self._trials, kept.fit.window
-        test = SeenTest(kept.problem, self._steps, window)
-        for field in kept.fit.field.relabelled(test, kept.fit.states):
-            move = f"{int(np.sum(field.of_cells != kept.fit.field.of_cells))} cells of another material"
-            found = trials.descend(move, kept, kept.problem, field, kept.u, self._steps, FAR, window)
-            if found is None:
-                continue
-            gain = found.gain_over(kept)
-            if gain > 0.0:
-                trials.passed_over(kept, f"scores {gain:+.1f} against moved contours")
-                return found
-            trials.passed_over(found, f"scores {-gain:+.1f} against contours as they were")
-        return None

@@ -14,7 +14,6 @@ from hypernode.data.lost import filled
 from hypernode.data.measurement import (
     correlation_window,
     displacement_noise,
-    edges_bend_beside,
     is_cut_out,
     is_on_its_own_grid,
     measured_displacement,
@@ -60,7 +59,6 @@ class Observations:
         window, kernel: side of the camera's correlation window, 0 without one, and its kernel.
         believed_window: that window if an identification estimated it; None if the measurement states it.
         cut: whether the grid is cut out of a larger sheet.
-        edges_bend_beside: whether an edge may be off by what bends within half a window of it.
         largest_stretch: of the test.
         relative_thickness: of every subcell.
         boundaries: of every load step.
@@ -83,7 +81,6 @@ class Observations:
     kernel: str
     believed_window: BelievedWindow | None
     cut: bool
-    edges_bend_beside: bool
     largest_stretch: float
     relative_thickness: Float[np.ndarray, " subcell"]
     boundaries: tuple[Boundary, ...]
@@ -180,7 +177,6 @@ def _stated(measurement) -> dict:
         "window": window,
         "kernel": kernel,
         "believed_window": BelievedWindow.read(measurement.attrs),
-        "edges_bend_beside": edges_bend_beside(measurement),
         "largest_stretch": float(measurement["stretch"].values.max()),
     }
 

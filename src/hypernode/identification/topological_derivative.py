@@ -6,14 +6,12 @@ times as stiff, shear is 2 / (1 + m) of what is around it (Eshelby, 1957). The m
 as well: what they explain is no gain.
 """
 
-import dataclasses
-
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.contours import ContourModel, Options, options_of, relabelled, sides_of
+from hypernode.identification.contours import ContourModel, Options, relabelled
 from hypernode.identification.interface_fit import REACH
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
@@ -22,9 +20,7 @@ from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import FAR, Trials
 
 #: How often cells change at most.
-ROUNDS = 5
-#: How far a piece begins to reach from the centre of its cell, in sides of cells: just beyond the corners.
-REACHES = 0.8
+ROUNDS = 10
 
 
 def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
@@ -37,12 +33,14 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         finds_window: whether the side of the window is sought.
     """
     for _ in range(ROUNDS):
+        if kept.leaves_nothing:
+            break
         problem, field, window = kept.problem, kept.fit.field, kept.fit.window
         labels = rather(SeenTest(problem, steps, window, kept.edges(problem, steps)), field, kept.fit.states)
         changed = int((labels != field.labels()).sum())
         if not changed:
             break
-        move, other = f"{changed} cells of another material", with_pieces(field, labels).measured_anew(1)
+        move, other = f"{changed} cells of another material", field.with_labels(labels)
         found = trials.descend(move, kept, problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
         if found is None:
             break
@@ -61,23 +59,27 @@ def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"
     Args:
         states: equilibrium of every step of the test.
     """
-    labels, moves = field.labels(), field.moves(REACH)
-    options = options_of(field.lines.grid.mesh, *np.nonzero(labels[:, None] != np.arange(field.count)))
-    each = [(_loads(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
+    options, moves = field.options(), field.moves(REACH)
+    each = [(loads_of_changes(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
     loads = [scipy.sparse.hstack(both, format="csc") for both in each]
     numbers = numbers_of(test.problem, field, moves, None)
     of_lines = np.arange(len(numbers.y)) >= numbers.of_materials
     held = numbers.held.toarray() + np.diag(of_lines * numbers.floor)
-    some = promising(test, states, loads, np.zeros(len(options.cell)), held)
+    dear = field.dearer(options)
+    some = promising(test, states, loads, dear, held)
     columns, sigma = np.append(some, np.ones(len(held), bool)), test.sigma_of(states)
     jacobians = test.jacobians(states, [load[:, columns] for load in loads], sigma)
     normal = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
-    sides = sides_of(field.lines.grid.mesh)
-    return relabelled(labels, ContourModel.followed(options.those(some), *normal, held, 0.0, sides, field.count))
+    model = ContourModel.followed(options.those(some), *normal, held, dear[some], field.sides)
+    return relabelled(field.labels(), model)
 
 
-def _loads(test: SeenTest, field: Interfaces, u, options: Options) -> scipy.sparse.csr_matrix:
-    """Derivative of the nodal forces by every option (degree of freedom, option)."""
+def loads_of_changes(test: SeenTest, field: Interfaces, u, options: Options) -> scipy.sparse.csr_matrix:
+    """Derivative of the nodal forces by changes of cells (degree of freedom, option).
+
+    Args:
+        u: displacement of a step in equilibrium.
+    """
     of, mesh, inside = field.cells()[0], field.lines.fine.mesh, test.problem.refinement.subcells
     now = test.sheet.cell_forces(u, of)
     change = np.empty((field.count, *now.shape))
@@ -89,22 +91,3 @@ def _loads(test: SeenTest, field: Interfaces, u, options: Options) -> scipy.spar
     values, rows = change[options.label[:, None], cells], mesh.dofs[cells]
     columns = np.broadcast_to(np.arange(len(cells))[:, None, None], rows.shape)
     return scipy.sparse.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), (u.size, len(cells)))
-
-
-def with_pieces(field: Interfaces, labels: Int[np.ndarray, " cell"]) -> Interfaces:
-    """The field with pieces of materials in the cells whose label is another one."""
-    before, distances = field.labels(), field.distances.copy()
-    for cell in np.flatnonzero(labels != before):
-        piece = REACHES - _from_centre(field, cell)
-        for k in range(max(labels[cell], 1), field.count):
-            # What is laid later would hide the piece.
-            own = k == labels[cell]
-            distances[k - 1] = np.maximum(distances[k - 1], piece) if own else np.minimum(distances[k - 1], -piece)
-    return dataclasses.replace(field, distances=distances)
-
-
-def _from_centre(field: Interfaces, cell: int) -> Float[np.ndarray, " node"]:
-    """Distance of every node of the grid from the centre of a cell, in sides of cells."""
-    mesh = field.lines.grid.mesh
-    places = np.stack(np.divmod(mesh.places, len(mesh.lines[0])), axis=1)
-    return np.linalg.norm(places - places[mesh.cells[cell]].mean(axis=0), axis=1)

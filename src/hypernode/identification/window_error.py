@@ -8,10 +8,9 @@ load step, and similar at neighbours with overlapping subsets (docs/decisions/00
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
-from scipy.ndimage import maximum_filter
 from scipy.optimize import minimize
 
-from hypernode.data.measurement import correlation_window, edges_bend_beside, window_sought, window_uncertainty
+from hypernode.data.measurement import correlation_window, window_sought, window_uncertainty
 from hypernode.fem.mesh import Mesh
 from hypernode.identification.camera import window_average
 
@@ -44,9 +43,7 @@ def blurred_edges(
     """By how much a point may be off that prescribes what it sees through a window; zero where noise would hide it.
 
     Where an interface crosses an edge, the displacement bends, and a mean over a window is not its middle. A point
-    inside the sheet is compared through the window. One that prescribes the displacement cannot be. Half of its window
-    lies beyond the edge. Where an identification believes so, as much may bend there as bends within half a window on
-    this side (docs/decisions/0194).
+    inside the sheet is compared through the window. One that prescribes the displacement cannot be.
 
     Args:
         u: measured displacement, known everywhere.
@@ -55,8 +52,6 @@ def blurred_edges(
     side, kernel = correlation_window(measurement)
     side = USUAL_WINDOW * grid.step if window_sought(measurement) else side
     changed = changed_by_window(grid, u, side, kernel)
-    if edges_bend_beside(measurement):
-        changed = _largest_around(grid, changed, 0.5 * side)
     return np.where(changed > NEVER * noise[:, None], changed, 0.0)
 
 
@@ -92,14 +87,6 @@ def with_errors_of_elements(error, weighed, grid: Mesh, u: Float[np.ndarray, "st
         return error, weighed
     own = size / mean * changed
     return np.hypot(error, own), np.hypot(weighed, own * _weight(grid, side, len(u)))
-
-
-def _largest_around(grid: Mesh, values: Float[np.ndarray, "step node 2"], distance: float):
-    """The largest value of every component within a distance along the grid lines (step, node, 2)."""
-    reach = 2 * int(np.ceil(distance / grid.step)) + 1
-    whole = np.zeros((len(values), *grid.node_numbers.shape, 2))
-    whole.reshape(len(values), -1, 2)[:, grid.places] = values
-    return maximum_filter(whole, (1, reach, reach, 1)).reshape(len(values), -1, 2)[:, grid.places]
 
 
 def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarray, " point"]) -> tuple[float, float]:

@@ -5,7 +5,7 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.believed_window import BelievedWindow
-from hypernode.data.measurement import EDGES_BEND_BESIDE, displacement_noise
+from hypernode.data.measurement import displacement_noise
 from hypernode.errors import ExpectedError
 from hypernode.identification.problem import FieldProblem, problem_of_basis
 from hypernode.mechanics.point_law import PointLaw
@@ -35,7 +35,6 @@ def problem_as_identified(
     sigma = float(field.attrs["displacement_sigma"])
     window = BelievedWindow.read(field.attrs)
     taken = BelievedNoise.read(field.attrs).of(measurement if window is None else window.of(measurement))
-    taken = taken.assign_attrs({EDGES_BEND_BESIDE: field.attrs.get(EDGES_BEND_BESIDE, "false")})
     # What is not noise is what finite elements were taken to miss.
     floor = float(np.sqrt(max(sigma**2 - displacement_noise(taken) ** 2, 0.0)))
     problem = problem_of_basis(taken, settings, law, subcells, floor=floor, at_lines=field.attrs["layered"] == "true")

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from hypernode.config.methods import Constrained
-from hypernode.data.measurement import EDGES_BEND_BESIDE, mesh_of, plane_of
+from hypernode.data.measurement import mesh_of, plane_of
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
@@ -110,7 +110,6 @@ def _of_test(found: Estimate) -> dict:
         "displacement_sigma": problem.sigma,
         **problem.observations.believed_noise.stored(),
         **({} if window is None else window.stored()),
-        **({EDGES_BEND_BESIDE: "true"} if problem.observations.edges_bend_beside else {}),
         "observed_displacements": problem.observed,
         "noise_rules_displacements": problem.noisy,
         "noise_deformation": problem.observations.noise_deformation,
