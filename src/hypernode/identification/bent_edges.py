@@ -5,8 +5,9 @@ the edge may bend it there, where nobody looks (docs/decisions/0194).
 """
 
 from hypernode.data.measurement import EDGES_BEND_BESIDE
+from hypernode.identification import budgets
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.trials import NEAR, Trials
+from hypernode.identification.trials import Trials
 
 MOVE = "edges that may be off by what bends beside them"
 
@@ -39,4 +40,4 @@ def with_bent_edges(
 def _again(trials: Trials, candidate: Candidate, steps: list[int], finds_window: bool) -> Candidate | None:
     problem, fit = trials.problem(candidate.terms, candidate.subcells), candidate.fit
     window = fit.window if finds_window else None
-    return trials.descend(MOVE, candidate, problem, fit.field, candidate.u, steps, NEAR, window, finds_window)
+    return trials.descend(MOVE, candidate, problem, fit.field, candidate.u, steps, budgets.NEAR, window, finds_window)

@@ -11,9 +11,9 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.fem.contour import ContourLines
+from hypernode.identification import budgets, numerics, priors
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import (
-    SIDE,
     ContourModel,
     Options,
     at_contours,
@@ -26,13 +26,6 @@ from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials, CellResponse
-
-#: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
-SHARES = (1.0, 0.5, 0.25, 0.1)
-#: How many of these changes are tried alone.
-ALONE = 3
-#: Changes up to which all are asked, whatever they promise: of 50 x 50 cells.
-ALL = 800
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -62,7 +55,7 @@ class Mosaic(Interfaces):
             return self.code + self._change * int((self.of_cells != self.given).sum())
         sides, _, _ = mesh.neighbours()
         apart = int((self.of_cells[sides[:, 0]] != self.of_cells[sides[:, 1]]).sum())
-        return SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
+        return priors.CONTOUR_SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
 
     @property
     def _change(self) -> float:
@@ -103,8 +96,8 @@ class Mosaic(Interfaces):
         labels = relabelled(self.of_cells, model)
         changed = np.flatnonzero(labels != self.of_cells)
         order = changed[np.argsort(self._promised(model, labels, changed), kind="stable")]
-        sets = [order[: int(np.ceil(share * len(order)))] for share in SHARES if len(order)]
-        sets += [order[k : k + 1] for k in range(min(len(order), ALONE))]
+        sets = [order[: int(np.ceil(share * len(order)))] for share in numerics.SHARES_OF_CHANGES if len(order)]
+        sets += [order[k : k + 1] for k in range(min(len(order), budgets.TRIED_ALONE))]
         found = []
         for some in dict.fromkeys(tuple(each.tolist()) for each in sets):
             changed = self.of_cells.copy()
@@ -125,12 +118,12 @@ class Mosaic(Interfaces):
         """The misfit by options, as a quadratic form whose materials follow."""
         some, half_way = np.ones(len(options.cell), bool), self._half_way(options)
         held = np.diag(held_of_materials(self))
-        if len(some) > ALL:
+        if len(some) > budgets.ALL_ASKED:
             loads = self._loads_at(test, states, half_way, options)
             some = promising(test, states, loads, self._dearer(options), held)
         if not some.any():
             return None
-        tolerance, between = test.problem.strategy.newton_tolerance, []
+        tolerance, between = numerics.NEWTON_TOLERANCE, []
         for (u, _, _), boundary in zip(states, test.boundaries, strict=True):
             between.append(test.sheet.equilibrium(u, boundary.free, half_way, tolerance))
         if any(each is None for each in between):

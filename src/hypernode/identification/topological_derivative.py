@@ -12,19 +12,14 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float, Int
 
+from hypernode.identification import budgets, numerics
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.contours import ContourModel, Options, options_of, relabelled, sides_of
-from hypernode.identification.interface_fit import REACH
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.trials import FAR, Trials
-
-#: How often cells change at most.
-ROUNDS = 5
-#: How far a piece begins to reach from the centre of its cell, in sides of cells: just beyond the corners.
-REACHES = 0.8
+from hypernode.identification.trials import Trials
 
 
 def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
@@ -36,14 +31,16 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
     """
-    for _ in range(ROUNDS):
+    for _ in range(budgets.OTHER_CELLS_ROUNDS):
         problem, field, window = kept.problem, kept.fit.field, kept.fit.window
         labels = rather(SeenTest(problem, steps, window, kept.edges(problem, steps)), field, kept.fit.states)
         changed = int((labels != field.labels()).sum())
         if not changed:
             break
         move, other = f"{changed} cells of another material", with_pieces(field, labels).measured_anew(1)
-        found = trials.descend(move, kept, problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
+        found = trials.descend(
+            move, kept, problem, other, kept.u, steps, budgets.FAR, window, finds_window, settled=True
+        )
         if found is None:
             break
         gain = found.gain_over(kept)
@@ -61,7 +58,7 @@ def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"
     Args:
         states: equilibrium of every step of the test.
     """
-    labels, moves = field.labels(), field.moves(REACH)
+    labels, moves = field.labels(), field.moves(numerics.LINE_REACH)
     options = options_of(field.lines.grid.mesh, *np.nonzero(labels[:, None] != np.arange(field.count)))
     each = [(_loads(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
     loads = [scipy.sparse.hstack(both, format="csc") for both in each]
@@ -95,7 +92,7 @@ def with_pieces(field: Interfaces, labels: Int[np.ndarray, " cell"]) -> Interfac
     """The field with pieces of materials in the cells whose label is another one."""
     before, distances = field.labels(), field.distances.copy()
     for cell in np.flatnonzero(labels != before):
-        piece = REACHES - _from_centre(field, cell)
+        piece = numerics.PIECE_REACH - _from_centre(field, cell)
         for k in range(max(labels[cell], 1), field.count):
             # What is laid later would hide the piece.
             own = k == labels[cell]
