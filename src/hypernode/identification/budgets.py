@@ -1,6 +1,6 @@
 """How many steps, rounds, probes, candidates, cells or bytes an identification spends at most."""
 
-from hypernode.mechanics.parameters import PARAMETERS
+from hypernode.mechanics.convex_basis import PARAMETERS
 
 # What a search tries.
 #: Materials at most.

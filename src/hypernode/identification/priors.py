@@ -2,7 +2,7 @@
 
 import numpy as np
 
-# What finite elements miss of displacements, over the largest of them; they are never trusted beyond.
+# What finite elements miss of displacements, over the largest of them: noise apart, these are trusted no further.
 #: Of a field that was computed on the measured grid.
 SAME_GRID_FLOOR = 3.8e-5
 #: Of one that was observed, whose interfaces lie anywhere: times the number of cells along a side.

@@ -1,4 +1,4 @@
-"""Values at which an identification decides: about the sheet, about its law, or whether to believe what it found."""
+"""Values at which an identification decides about the sheet, about its law, or whether to believe what it found."""
 
 # Which of two candidates is kept.
 #: Gain of a score from which one more material or term is kept: odds of 20 to 1.
@@ -26,7 +26,7 @@ NOTHING_LEFT = 0.02
 EXPLAINED = 1.05
 
 # What the sheet is made of.
-#: Standard deviations between two materials, or between a term and none, from which they are not tried as one: three
+#: Standard deviations between two materials, or between a term and none, from which they are not tried as one. Three
 #: are no chance, and what elements miss makes a few times as much.
 APART = 10.0
 #: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
