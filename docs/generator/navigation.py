@@ -26,6 +26,7 @@ NAVIGATION = {
     "Background": (
         *(
             "how-identification-decides",
+            "constants",
             "equations",
             "paper",
             "accuracy",

@@ -8,7 +8,6 @@ from hypernode.data.boundary import prescribed_displacement
 from hypernode.data.lost import along, filled
 from hypernode.fem.mesh import rectilinear
 from hypernode.identification.observations import observe
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import identify
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
@@ -72,7 +71,7 @@ def lose(data, nodes):
 
 def test_what_is_filled_in_is_not_observed():
     data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1]), noise=1e-3)
-    whole, gappy = (observe(each, 1, STRATEGY) for each in (data, lose(data, [16, 24])))
+    whole, gappy = (observe(each, 1) for each in (data, lose(data, [16, 24])))
     assert len(whole.boundaries[0].observed) - len(gappy.boundaries[0].observed) == 4
     np.testing.assert_allclose(gappy.mean_F, whole.mean_F, atol=1e-12)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from docs.generator import configuration, decisions, gallery
+from docs.generator import configuration, constants, decisions, gallery
 from docs.generator.navigation import NAVIGATION
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,6 +53,22 @@ def test_what_a_key_may_be_is_said_in_words():
 def test_the_index_of_the_decisions_is_that_of_their_files():
     """Where this fails: ``python -m docs.generator.decisions > docs/decisions/index.md``."""
     assert (ROOT / "docs/decisions/index.md").read_text() == decisions.page(ROOT / "docs/decisions")
+
+
+def test_the_page_of_the_constants_is_that_of_their_modules():
+    """Where this fails: ``python -m docs.generator.constants > docs/constants.md``."""
+    assert (ROOT / "docs/constants.md").read_text() == constants.page(ROOT / "src/hypernode/identification")
+
+
+def test_a_constant_has_the_comment_above_it_as_its_reason_and_without_one_is_refused():
+    text = '"""What."""\n\n# Some.\n#: One\n#: reason.\nA = 1.0 / 2.0\n#: Another.\nB = (1, 2)\n'
+    found = constants.constants(text)
+    assert [(each.name, each.value, each.reason, each.group) for each in found] == [
+        ("A", "1.0 / 2.0", "One reason.", "Some."),
+        ("B", "(1, 2)", "Another.", "Some."),
+    ]
+    with pytest.raises(ValueError, match="C has no reason and a group"):
+        constants.constants(f"{text}C = 3\n")
 
 
 def test_the_index_has_every_decision_once_under_its_topic(tmp_path):

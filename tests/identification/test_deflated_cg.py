@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse
 
-from hypernode.identification import deflated_cg
+from hypernode.identification import budgets
 from hypernode.identification.deflated_cg import DeflatedCG
 
 KEPT = 40
@@ -59,7 +59,7 @@ def test_the_kept_directions_span_those_that_the_preconditioner_misses(counted):
 
 
 def test_a_search_of_which_little_is_remembered_keeps_the_worst_directions_as_well(monkeypatch):
-    monkeypatch.setattr(deflated_cg, "REMEMBERED", 0)
+    monkeypatch.setattr(budgets, "REMEMBERED", 0)
     rng, kept = np.random.default_rng(2), 6
     matrix = next(systems(rng, 1, outliers=4))[1]
     metric = scipy.sparse.identity(len(matrix)).tocsc()

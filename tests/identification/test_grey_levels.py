@@ -13,8 +13,8 @@ from hypernode.fem.interpolation import NodalField
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
 from hypernode.fem.transfer import transfer
+from hypernode.identification import numerics
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import Strategy
 from hypernode.identification.strategy import identify
 from hypernode.mechanics.loads import make_load
 from hypernode.pictures.finite_elements import on_sheet, seen_by_elements
@@ -75,11 +75,11 @@ def test_information_of_independent_nodes_weighs_as_points_do_but_for_cells_at_p
 
 
 @pytest.mark.parametrize("subcells", [1, 2])
-def test_the_adjoint_is_the_derivative_of_what_grey_levels_are_missed_by(subcells):
-    strategy = Strategy(newton_tolerance=1e-10)
+def test_the_adjoint_is_the_derivative_of_what_grey_levels_are_missed_by(subcells, monkeypatch):
+    monkeypatch.setattr(numerics, "NEWTON_TOLERANCE", 1e-10)
     data, _, params = sheet(5, square, make_load("uniaxial_x", [1.1, 1.2]), noise=1e-3)
     informed, _ = of_points(data, 1e-3, 2)
-    problem = field_problem(informed, SETTINGS, subcells, strategy)
+    problem = field_problem(informed, SETTINGS, subcells)
     params, states = field_of(problem, params)
     linear = problem.linearise(params, states, problem.sigma)
     step = np.random.default_rng(3).normal(size=params.shape)

@@ -12,7 +12,6 @@ from hypernode.identification.law_search import turned
 from hypernode.identification.left_out import predict_left_out
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.loads import make_load
@@ -44,7 +43,7 @@ def observed(inclusion, load=LOAD, level=NOISE, **material):
 @pytest.fixture(scope="module")
 def of_a_disc():
     data, share = observed(disc)
-    return of_parts(data, SETTINGS, "sheet", STRATEGY).found, share
+    return of_parts(data, SETTINGS, "sheet").found, share
 
 
 def test_two_materials_and_the_line_between_them_are_found(of_a_disc):
@@ -99,7 +98,7 @@ def test_a_cell_that_a_line_cuts_has_the_stress_of_its_layers(of_a_disc):
 
 def test_a_homogeneous_sheet_is_of_one_material():
     data, _ = observed(lambda X: np.zeros(len(X)))
-    found = of_parts(data, SETTINGS, "sheet", STRATEGY).found
+    found = of_parts(data, SETTINGS, "sheet").found
     assert found.material_count == 1 and not found.layered
     assert np.exp(found.field.materials[0, 0]) == pytest.approx(1.0, rel=0.01)
 
@@ -108,7 +107,7 @@ def test_a_homogeneous_sheet_is_of_one_material():
 def test_two_materials_that_differ_only_in_the_direction_of_their_fibres_are_told_apart():
     along, across = {"fibre_x": 0.5, "fibre_y": 0.0}, {"fibre_x": -0.2, "fibre_y": 0.45}
     data, share = observed(disc, terms=("fibre",), values=along, inside=across)
-    found = of_parts(data, SETTINGS.model_copy(update={"terms": ["fibre"]}), "sheet", STRATEGY).found
+    found = of_parts(data, SETTINGS.model_copy(update={"terms": ["fibre"]}), "sheet").found
     assert found.material_count == 2
     whole = (share == 0.0) | (share == 1.0)
     inside = found.labels == found.labels[share.argmax()]
@@ -127,7 +126,7 @@ def test_two_materials_that_differ_only_in_the_direction_of_their_fibres_are_tol
 def test_what_coarse_elements_miss_beside_clamps_is_no_change_of_the_material(law):
     clamped = make_load("clamped_y", [1.05, 1.1, 1.15])
     data, _ = observed(lambda X: np.zeros(len(X)), clamped, 5e-5, terms=("I2",) if law else (), values=law)
-    found = of_parts(data, SETTINGS, "sheet", STRATEGY).found
+    found = of_parts(data, SETTINGS, "sheet").found
     assert found.material_count == 1 and not len(found.field.gradual)
     assert found.basis.terms == (("I2",) if law else ())
     assert found.misfits["displacement"] < 1.1
@@ -136,7 +135,7 @@ def test_what_coarse_elements_miss_beside_clamps_is_no_change_of_the_material(la
 @pytest.mark.slow
 def test_three_materials_have_lines_of_their_own():
     data, _ = observed(two_discs)
-    found = of_parts(data, SETTINGS, "sheet", STRATEGY).found
+    found = of_parts(data, SETTINGS, "sheet").found
     assert found.material_count == 3 and len(found.distances) == 2
     soft, sheet, stiff = np.sort(np.exp(found.field.materials[:, 0]))
     assert stiff / sheet == pytest.approx(2.0, rel=0.05)
@@ -146,20 +145,20 @@ def test_three_materials_have_lines_of_their_own():
 @pytest.mark.slow
 def test_a_statement_that_the_grid_is_the_mesh_is_not_believed_where_whole_cells_leave_more_than_noise():
     data, _ = observed(disc)
-    found = of_parts(data.assign_attrs(mesh="measured_grid"), SETTINGS, "sheet", STRATEGY).found
+    found = of_parts(data.assign_attrs(mesh="measured_grid"), SETTINGS, "sheet").found
     assert found.material_count == 2 and found.layered
 
 
 def test_few_materials_are_sought_only_where_they_are_asked_for():
     data, _ = observed(disc)
-    assert of_parts(data, SETTINGS.model_copy(update={"layers": False}), "sheet", STRATEGY).found is None
+    assert of_parts(data, SETTINGS.model_copy(update={"layers": False}), "sheet").found is None
 
 
 @pytest.fixture(scope="module")
 def cut_sheet():
     """(a test, a field whose line cuts cells, its states, moves of the line, how the test answers to its numbers)."""
     data, share = observed(disc)
-    problem = field_problem(data, SETTINGS.model_copy(update={"terms": ["I2"]}), 2, STRATEGY, 1e-6)
+    problem = field_problem(data, SETTINGS.model_copy(update={"terms": ["I2"]}), 2, 1e-6)
     lines = Lines.of(problem.observations.grid, problem.refinement)
     field = Interfaces(lines, np.array([[0.0, 0.2], [0.6, 0.1]]), lines.grid.through(share)[None] + 0.013)
     test = SeenTest(problem, [1])
@@ -201,7 +200,7 @@ def test_a_window_that_nobody_stated_is_found():
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
     data = believed(data.assign(u_measured=data["u_measured"] + noise), NOISE)
     data = data.assign_attrs(mesh="finer", noise_uncertainty=0.05, window_uncertainty=0.25, correlation_window=0.0)
-    found = Search(data, SETTINGS, "sheet", STRATEGY).end()
+    found = Search(data, SETTINGS, "sheet").end()
     believed_window = found.problem.observations.believed_window
     assert abs(believed_window.side - window) < 3.0 * believed_window.error
     assert believed_window.side == pytest.approx(window, rel=0.15)
@@ -221,7 +220,7 @@ def test_fibres_may_begin_in_four_directions_and_other_terms_in_one_way():
 def test_two_materials_that_change_gradually_by_the_same_factor_are_told_from_it():
     load = make_load("clamped_y", [1.05, 1.1, 1.15])
     data, _ = observed(lambda X: disc(X) + 0.8 * (X[:, 1] - 0.5), load, level=0.3 * NOISE)
-    found = of_parts(data, SETTINGS, "sheet", STRATEGY).found
+    found = of_parts(data, SETTINGS, "sheet").found
     assert found.material_count == 2 and found.gradual
     soft, stiff = np.sort(np.exp(found.field.materials[:, 0]))
     assert stiff / soft == pytest.approx(2.0, rel=0.03)

@@ -7,7 +7,7 @@ import pytest
 
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
-from hypernode.identification.gradual import BENDS
+from hypernode.identification import priors
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.points import Points
 from hypernode.identification.sheet import Sheet
@@ -83,7 +83,7 @@ def test_forces_change_with_every_number_as_their_derivative_says(subcells):
 
 @pytest.mark.parametrize("subcells", [1, 2])
 def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
-    field = coats(X - 4.6, subcells=subcells).changing(0.1 * np.arange(100.0) % 7, BENDS[0])
+    field = coats(X - 4.6, subcells=subcells).changing(0.1 * np.arange(100.0) % 7, priors.GRADUAL_BENDS[0])
     mesh = field.lines.fine.mesh
     u, moves = 0.1 * mesh.nodes, field.moves(1.3)
     of, _ = field.cells()
@@ -96,7 +96,9 @@ def test_forces_follow_a_gradual_change_as_their_derivative_says(subcells):
 
 def test_forces_follow_a_law_that_changes_with_the_stiffness_as_their_derivative_says():
     lines, points = Lines.of(GRID, refine(GRID, 2)), Points(ConvexBasis(("I1_squared",), 0.1))
-    field = Interfaces.homogeneous(lines, np.array([0.1, 0.3])).changing(0.1 * np.arange(100.0) % 7, BENDS[0])
+    field = Interfaces.homogeneous(lines, np.array([0.1, 0.3])).changing(
+        0.1 * np.arange(100.0) % 7, priors.GRADUAL_BENDS[0]
+    )
     field = dataclasses.replace(field, turn=np.array([0.2]))
     mesh = lines.fine.mesh
     u = 0.1 * mesh.nodes + 0.01 * np.random.default_rng(3).normal(size=mesh.nodes.shape)
@@ -112,7 +114,7 @@ def test_forces_follow_a_law_that_changes_with_the_stiffness_as_their_derivative
 
 def test_a_gradual_change_is_about_the_one_that_was_given():
     wanted = 0.3 * np.sin(0.2 * GRID.nodes[GRID.cells].mean(axis=1)[:, 0])
-    assert np.abs(coats().changing(wanted, BENDS[0]).grid_factor() - wanted).max() < 0.1
+    assert np.abs(coats().changing(wanted, priors.GRADUAL_BENDS[0]).grid_factor() - wanted).max() < 0.1
 
 
 def test_nothing_jumps_where_a_line_leaves_a_cell_that_another_cuts():

@@ -9,10 +9,10 @@ import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise
+from hypernode.identification import budgets
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch, translated
-from hypernode.identification.settings import STRATEGY
-from hypernode.identification.trials import NEAR, Trials
+from hypernode.identification.trials import Trials
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely
 
@@ -25,12 +25,12 @@ def one_material(**material):
     """(trials of a homogeneous sheet, one neo-Hookean material for it)."""
     data, _ = observed_coarsely(8, lambda X: np.zeros(len(X)), LOAD, 0.0, **material)
     noise = np.random.default_rng(3).normal(0.0, NOISE, data["u_measured"].shape)
-    trials = Trials(believed(data.assign(u_measured=data["u_measured"] + noise), NOISE), SETTINGS, "sheet", STRATEGY)
+    trials = Trials(believed(data.assign(u_measured=data["u_measured"] + noise), NOISE), SETTINGS, "sheet")
     problem = trials.problem([])
     params = problem.homogeneous.params
     u = dict(enumerate(problem.equilibrium.extension(np.tile(params, (len(problem.mesh.cells), 1)))))
     field = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), params)
-    return trials, trials.descend("one material", None, problem, field, u, STEPS, NEAR)
+    return trials, trials.descend("one material", None, problem, field, u, STEPS, budgets.NEAR)
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def with_law(trials, one, *terms):
     problem = trials.problem(terms)
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     field = one.fit.field.with_law(translated(one.fit.field.materials, one.problem, problem, begin))
-    return trials.descend(f"with {terms}", one, problem, field, one.u, STEPS, NEAR)
+    return trials.descend(f"with {terms}", one, problem, field, one.u, STEPS, budgets.NEAR)
 
 
 @pytest.mark.parametrize("term", ["I2", "J"])
@@ -91,7 +91,7 @@ def test_answers_to_errors_of_edges_serve_the_same_steps_under_the_same_noise(ne
     assert one.edges(trials.problem([], subcells=2), STEPS) is one.fit.edges
     assert one.edges(one.problem, [1]) is None
     measurement = trials.measurement
-    louder = Trials(BelievedNoise(factor=2.0).of(measurement), SETTINGS, "sheet", STRATEGY)
+    louder = Trials(BelievedNoise(factor=2.0).of(measurement), SETTINGS, "sheet")
     assert one.edges(louder.problem([]), STEPS) is None
 
 

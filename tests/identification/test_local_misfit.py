@@ -13,7 +13,6 @@ from hypernode.identification.gauss_newton import descend
 from hypernode.identification.local_misfit import beyond_edges, local_misfit
 from hypernode.identification.observations import observe
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.window_error import changed_by_window
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
@@ -83,13 +82,13 @@ def test_without_noise_no_place_is_judged():
 @pytest.mark.parametrize("at_lines", [True, False])
 def test_where_elements_err_more_than_noise_a_place_is_judged_if_they_do_so_beside_lines_alone(at_lines):
     data, _, _ = sheet(12, square, LOAD, noise=NOISE, terms=())
-    observations = observe(data.assign_attrs(mesh="finer"), 1, STRATEGY, floor=2.0 * NOISE, at_lines=at_lines)
+    observations = observe(data.assign_attrs(mesh="finer"), 1, floor=2.0 * NOISE, at_lines=at_lines)
     assert not observations.noisy and bool(observations.by_places) is at_lines
 
 
 def seen_through_a_window(**attrs):
     data, _, _ = sheet(12, square, LOAD, noise=1e-5, window=0.2, terms=())
-    return observe(data.assign_attrs(attrs), 1, STRATEGY, floor=0.0)
+    return observe(data.assign_attrs(attrs), 1, floor=0.0)
 
 
 def test_a_point_of_a_cut_edge_may_be_off_by_what_the_window_changes_most_anywhere():

@@ -7,8 +7,9 @@ import pytest
 
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
+from hypernode.identification import thresholds
 from hypernode.identification.interfaces import Interfaces, Lines
-from hypernode.identification.merging import APART, _without_least_known, merged
+from hypernode.identification.merging import _without_least_known, merged
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 GRID = rectilinear(np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 7))
@@ -34,7 +35,7 @@ def test_the_two_that_are_least_known_to_differ_become_one_with_the_parameters_o
 
 @pytest.mark.parametrize(("share", "tried"), [(0.9, True), (1.1, False)])
 def test_materials_that_differ_beyond_doubt_are_not_tried(share, tried):
-    apart = share * APART * np.sqrt(2.0) * 0.01
+    apart = share * thresholds.APART * np.sqrt(2.0) * 0.01
     kept = candidate([[0.0, 0.0], [apart, 0.0], [5.0, 0.0]], [[0.01, 0.01]] * 3)
     assert (_without_least_known(kept) is not None) is tried
 

@@ -8,6 +8,7 @@ import scipy.sparse
 
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
+from hypernode.identification import budgets
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.interface_numbers import held_of_materials
 from hypernode.identification.interfaces import Lines
@@ -15,7 +16,6 @@ from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
 from hypernode.identification.topological_derivative import loads_of_changes, rather
 from hypernode.identification.trials import Trials
@@ -38,7 +38,7 @@ def stress_error(found, true):
 @pytest.mark.parametrize("mesh", ["measured_grid", pytest.param("finer", marks=pytest.mark.slow)])
 def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh):
     data, grid, true = sheet(12, square, LOAD, terms=())
-    found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square", STRATEGY).found
+    found = of_parts(data.assign_attrs(mesh=mesh), SETTINGS, "square").found
     inside = square(grid.centres)
     assert found.material_count == 2 and not found.layered
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
@@ -48,7 +48,7 @@ def test_whole_cells_are_found_exactly_whether_or_not_their_mesh_is_stated(mesh)
 @pytest.mark.slow
 def test_noise_that_a_stranger_may_have_moves_no_cell():
     data, grid, true = sheet(12, square, LOAD, noise=5e-4, terms=())
-    found = of_parts(data, SETTINGS, "square", STRATEGY).found
+    found = of_parts(data, SETTINGS, "square").found
     inside = square(grid.centres)
     assert found.material_count == 2
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
@@ -59,10 +59,10 @@ def test_noise_that_a_stranger_may_have_moves_no_cell():
 @pytest.mark.parametrize(
     "noise, move, error", [(0.0, "cells of 2 materials", 1e-3), (1e-4, "on the measured grid", 0.02)]
 )
-def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same(noise, move, error):
+def test_a_grid_of_many_cells_begins_from_every_second_line_and_finds_the_same(noise, move, error, monkeypatch):
     data, grid, true = sheet(16, square, LOAD, noise=noise, terms=())
-    strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
-    found = of_parts(data, SETTINGS, "square", strategy).found
+    monkeypatch.setattr(budgets, "MOST_CELLS_AT_ONCE", 100)
+    found = of_parts(data, SETTINGS, "square").found
     inside = square(grid.centres)
     assert np.array_equal(found.labels == found.labels[inside][0], inside)
     assert stress_error(found, true) < error
@@ -130,7 +130,7 @@ def test_the_adjoint_is_the_transposed_jacobian(wrong_cells):
 def test_whole_cells_of_a_coarser_grid_are_where_lines_of_the_measured_one_begin():
     data, grid, _ = sheet(16, square, LOAD, terms=())
     settings = SETTINGS.model_copy(update={"terms": []})
-    coarse, fine = (Trials(each, settings, "square", STRATEGY) for each in (coarsened(data), data))
+    coarse, fine = (Trials(each, settings, "square") for each in (coarsened(data), data))
     problem = coarse.problem([])
     lines, labels = Lines.of(problem.observations.grid, problem.refinement), square(problem.mesh.centres).astype(int)
     level = problem.homogeneous.params[0]

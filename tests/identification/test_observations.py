@@ -1,14 +1,12 @@
 """What a test says of a sheet, whatever its noise, its thickness and where the camera was."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise, NoiseSource
+from hypernode.identification import thresholds
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import STRATEGY
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, sheet, square
 
@@ -100,12 +98,13 @@ def test_noise_that_hides_what_finite_elements_miss_is_all_that_counts():
     assert problem.noisy and problem.sharp and problem.sigma == pytest.approx(3e-3)
 
 
-def test_noise_as_large_as_finite_elements_may_really_miss_rules_at_first():
+def test_noise_as_large_as_finite_elements_may_really_miss_rules_at_first(monkeypatch):
     data, _, _ = sheet(8, square, make_load("uniaxial_x", [1.1]), noise=4e-4)
     measured = data.assign_attrs(mesh="finer")
     at_first = field_problem(measured, SETTINGS)
     assert at_first.noisy and at_first.sigma == pytest.approx(4e-4)
-    then = field_problem(measured, SETTINGS, strategy=replace(STRATEGY, noise_rules=1.0))
+    monkeypatch.setattr(thresholds, "NOISE_RULES", 1.0)
+    then = field_problem(measured, SETTINGS)
     assert then.blurred and then.sigma > 1.5 * at_first.sigma
 
 

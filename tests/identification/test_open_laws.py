@@ -10,7 +10,6 @@ from hypernode.config.methods import Constrained
 from hypernode.evaluation.doubt import farther_half
 from hypernode.identification import open_laws as laws_left_open
 from hypernode.identification.open_laws import open_laws, terms_left
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import of_parts
 from hypernode.identification.volume import Parts, of_either, with_area
 from hypernode.mechanics.convex_basis import ConvexBasis
@@ -54,7 +53,7 @@ def doubt(found, laws):
 def test_fibres_along_one_pull_are_within_two_spreads_equibiaxially():
     fibres = {"fibre_x": -0.6, "fibre_y": 0.0, "logit_dispersion": -3.0}
     data, true = observed(("fibre",), tuple(fibres.items()))
-    found = of_parts(data, SETTINGS, "pull", STRATEGY).found
+    found = of_parts(data, SETTINGS, "pull").found
     laws = open_laws(found, SETTINGS, OPEN_SAMPLES, 0)
     right = stress(ConvexBasis(("fibre",), SCALE), true)
     own = stress(found.basis, found.by_parts[:, 0, 0])
@@ -74,7 +73,7 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
 
     def search(settings):
         sought.append(settings.terms)
-        return of_parts(data, settings, "pull", STRATEGY)
+        return of_parts(data, settings, "pull")
 
     data, _ = observed(())
     found = of_either(SETTINGS, search, cells=None)
@@ -86,7 +85,7 @@ def test_a_law_with_a_volume_is_not_sought_where_one_of_I1_explains_the_test():
 def test_a_sheet_that_changes_its_volume_is_found_to():
     area = {"log1p_J_area": np.log1p(0.8), "log1p_J_volume": np.log1p(0.2)}
     data, true = observed(("J",), tuple(area.items()), make_load("biaxial", [[1.06, 1.03], [1.12, 1.06], [1.2, 1.1]]))
-    found = of_either(SETTINGS, lambda settings: of_parts(data, settings, "sheet", STRATEGY), cells=None)
+    found = of_either(SETTINGS, lambda settings: of_parts(data, settings, "sheet"), cells=None)
     assert "J" in found.basis.terms
     right = stress(found.basis, true)
     assert np.linalg.norm(stress(found.basis, found.by_parts[:, 0, 0]) - right) < 0.03 * np.linalg.norm(right)

@@ -26,7 +26,7 @@ def test_a_part_of_few_cells_joins_what_is_around_it():
     labels = np.zeros(36, int)
     labels[[7, 8]] = 1
     labels[[21, 22, 27, 28]] = 2
-    found = without_small(mesh, labels, fewest=3)
+    found = without_small(mesh, labels)
     assert (found[[7, 8]] == 0).all() and (found[[21, 22, 27, 28]] == 2).all()
 
 

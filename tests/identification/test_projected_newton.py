@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from hypernode.identification import budgets, numerics
 from hypernode.identification.projected_newton import projected_steps
-from hypernode.identification.settings import STRATEGY
 
 FREE = np.full(2, -np.inf)
 
@@ -12,7 +12,7 @@ FREE = np.full(2, -np.inf)
 def first(x, gradient, curvature, lowest=FREE, floor=(0.0, 0.0)):
     """(where the first step leads, what it should gain)."""
     arrays = (np.asarray(each, dtype=float) for each in (x, gradient, curvature, lowest, floor))
-    return next(projected_steps(*arrays, STRATEGY))[:2]
+    return next(projected_steps(*arrays))[:2]
 
 
 def test_without_bounds_the_first_step_is_newtons_and_gains_what_a_quadratic_says():
@@ -45,14 +45,14 @@ def test_a_number_at_its_least_value_leaves_it_where_the_cost_falls_upwards():
 
 def test_later_steps_are_shorter_or_more_damped_and_none_is_longer_than_the_largest():
     x, gradient = np.zeros(2), np.array([-50.0, 1.0])
-    steps = [reached for reached, _, _ in projected_steps(x, gradient, np.eye(2), FREE, np.zeros(2), STRATEGY)]
+    steps = [reached for reached, _, _ in projected_steps(x, gradient, np.eye(2), FREE, np.zeros(2))]
     lengths = np.abs(steps).max(axis=1)
-    assert lengths[0] == STRATEGY.largest_step and lengths[-1] < lengths[0]
-    assert len(steps) == STRATEGY.clipped_trials * len(STRATEGY.damping_shares)
+    assert lengths[0] == numerics.LARGEST_STEP and lengths[-1] < lengths[0]
+    assert len(steps) == budgets.CLIPPED_TRIALS * len(numerics.DAMPING_SHARES)
 
 
 def test_a_step_after_a_damped_one_begins_with_the_damping_that_is_asked_for():
-    given = np.zeros(2), np.array([-0.5, 0.1]), np.eye(2), FREE, np.zeros(2), STRATEGY
+    given = np.zeros(2), np.array([-0.5, 0.1]), np.eye(2), FREE, np.zeros(2)
     every = list(projected_steps(*given))
     later = list(projected_steps(*given, 2))
     assert [number for _, _, number in later] == [number for _, _, number in every if number >= 2]

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from hypernode.identification import budgets, priors
 from hypernode.identification.law_search import open_terms, translated, turned
 from hypernode.identification.points import Points
 from hypernode.identification.score_test import Joined, score_test
 from hypernode.identification.term_points import UNITS, TermPoints
-from hypernode.identification.trials import NEAR
 from hypernode.mechanics.convex_basis import PARAMETERS, ConvexBasis
 from tests.identification.test_law_search import SETTINGS, STEPS, one_material
 
@@ -21,9 +21,9 @@ def gain_and_promise(term, **material):
     joined = score_test(one, open_terms((), SETTINGS)).joined(term)
     problem = trials.with_terms(one, (term,))
     begun = turned(translated(one.fit.field.materials, one.problem, problem), problem, term)[0]
-    found = trials.descend(f"with {term}", one, problem, one.fit.field.with_law(begun), one.u, STEPS, NEAR)
+    found = trials.descend(f"with {term}", one, problem, one.fit.field.with_law(begun), one.u, STEPS, budgets.NEAR)
     scale = one.sigma_left / one.problem.sigma
-    return (one.fit.cost - found.fit.cost) / scale**2, joined[0].least(one.problem.strategy.ridge)[1]
+    return (one.fit.cost - found.fit.cost) / scale**2, joined[0].least(priors.RIDGE)[1]
 
 
 def test_a_weak_term_gains_what_it_promises():

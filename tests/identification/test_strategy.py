@@ -11,10 +11,10 @@ import xarray as xr
 from pydantic import ValidationError
 
 from hypernode.config.methods import Constrained, Node
+from hypernode.identification import budgets
 from hypernode.identification.choice import likeliest
 from hypernode.identification.gauss_newton import descend, first_field
 from hypernode.identification.problem import field_problem
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.strategy import identify
 from hypernode.material.files import posterior_material
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
@@ -39,10 +39,10 @@ def test_a_stiff_square_is_found_again_from_noisy_displacements():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 5e-4])
-def test_a_grid_of_many_cells_begins_from_the_field_of_every_second_line_and_finds_the_same(noise, capsys):
+def test_a_grid_of_many_cells_begins_from_the_field_of_every_second_line_and_finds_the_same(noise, capsys, monkeypatch):
     data, mesh, true = sheet(12, square, make_load("equibiaxial", [1.1, 1.2]), noise=noise)
-    strategy = dataclasses.replace(STRATEGY, most_cells_at_once=100)
-    found = identify(data, Constrained(terms=["I1_squared"]), "square", strategy)
+    monkeypatch.setattr(budgets, "MOST_CELLS_AT_ONCE", 100)
+    found = identify(data, Constrained(terms=["I1_squared"]), "square")
     assert "36 cells of every second grid line first" in capsys.readouterr().err
     assert found.unexplained < 1.0 and len(found.params) == 144
     level, inside = found.params[:, 0], square(mesh.centres)
@@ -259,10 +259,11 @@ def test_further_terms_are_kept_only_where_they_explain_more_and_an_unexplained_
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("terms", "most"), [(["J"], 100), (["I1_squared"], 30)], ids=["compressible", "many cells"])
-def test_further_terms_are_tried_where_no_field_of_the_stiffness_alone_was_made_before(terms, most):
+def test_further_terms_are_tried_where_no_field_of_the_stiffness_alone_was_made_before(terms, most, monkeypatch):
     """Neither a sheet whose volume may change nor a grid that began from a coarser one has such a field."""
     data, _, _ = sheet(6, square, make_load("equibiaxial", [1.1, 1.2]), values=(("log1p_I1_squared", 1.5),))
     further = "I1_squared" if terms == ["J"] else "I2"
     settings = Constrained(terms=terms, isotropic_terms=[], further_terms=[further], iterations=2)
-    found = identify(data, settings, "square", dataclasses.replace(STRATEGY, most_cells_at_once=most))
+    monkeypatch.setattr(budgets, "MOST_CELLS_AT_ONCE", most)
+    found = identify(data, settings, "square")
     assert found.unexplained > 1.0 and set(terms) <= set(found.problem.basis.terms) <= {*terms, further}

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from hypernode.identification import budgets
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.settings import STRATEGY
 from hypernode.identification.topological_derivative import rather, with_other_cells
-from hypernode.identification.trials import NEAR, Trials, homogeneous_displacement, largest_and_half
+from hypernode.identification.trials import Trials, homogeneous_displacement, largest_and_half
 from tests.identification.test_interface_search import CELLS, SETTINGS, disc, observed
 
 LEVEL = 2e-5
@@ -30,16 +30,16 @@ def hole(X):
 def begun(truth, believed):
     """(trials, steps, a candidate of two materials where an inclusion is believed) of a sheet with another one."""
     data, _ = observed(truth, level=LEVEL)
-    trials = Trials(data, SETTINGS, "sheet", STRATEGY)
+    trials = Trials(data, SETTINGS, "sheet")
     problem = trials.plainest()
     steps, lines = largest_and_half(problem), Lines.of(problem.observations.grid, problem.refinement)
     labels = (believed(problem.observations.grid.centres) > 0.5).astype(int)
     plain = Interfaces.homogeneous(lines, problem.homogeneous.params)
-    one = trials.descend("one material", None, problem, plain, homogeneous_displacement(problem), steps, NEAR)
+    one = trials.descend("one material", None, problem, plain, homogeneous_displacement(problem), steps, budgets.NEAR)
     materials = np.tile(problem.homogeneous.params, (2, 1))
     materials[1, 0] += np.log(2.0)
     field = Interfaces.around(lines, materials, labels)
-    return trials, steps, trials.descend("a disc", one, problem, field, one.u, steps, 2 * NEAR)
+    return trials, steps, trials.descend("a disc", one, problem, field, one.u, steps, 2 * budgets.NEAR)
 
 
 def with_sliver(X):

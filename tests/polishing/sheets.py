@@ -3,11 +3,12 @@
 import functools
 
 import numpy as np
+import pytest
 
 from hypernode.config.methods import Constrained, Frequencies
 from hypernode.fem.mesh import EDGE_NAMES
+from hypernode.identification import numerics
 from hypernode.identification.problem import problem_of_basis
-from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.material.node_law import NodeLaw
 from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.loads import make_load
@@ -37,17 +38,22 @@ def other_weights(field, size):
 
 
 @functools.cache
-def problem_of_field(cells, kind, stretches, noise, moved=0.0, tolerance=STRATEGY.newton_tolerance):
+def problem_of_field(cells, kind, stretches, noise, moved=0.0, tolerance=None):
     """(problem, field) of a test of the sheet that is what the network says, or would say with other weights.
 
     Args:
         moved: standard deviation of the other weights from the network's own.
-        tolerance: relative residual at which a state counts as equilibrium.
+        tolerance: relative residual at which a state counts as equilibrium, other than usual.
     """
-    strategy = Strategy(newton_tolerance=tolerance)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(numerics, "NEWTON_TOLERANCE", tolerance or numerics.NEWTON_TOLERANCE)
+        return _problem_of_field(cells, kind, stretches, noise, moved)
+
+
+def _problem_of_field(cells, kind, stretches, noise, moved):
     data, mesh, _ = sheet(cells, square, make_load(kind, list(stretches)))
     data, field, settings = believed(data, noise), weight_field(mesh), Constrained(force_noise=FORCE_NOISE)
-    problem = problem_of_basis(data, settings, LAW, strategy=strategy)
+    problem = problem_of_basis(data, settings, LAW)
     params = field.params(other_weights(field, moved))
     states = problem.equilibrium.states(params, list(problem.observations.u))
     random = np.random.default_rng(1)
@@ -59,4 +65,4 @@ def problem_of_field(cells, kind, stretches, noise, moved=0.0, tolerance=STRATEG
     data = data.assign(
         u_measured=(data["u_measured"].dims, measured[None]), edge_force=(data["edge_force"].dims, force)
     )
-    return problem_of_basis(data, settings, LAW, strategy=strategy), field
+    return problem_of_basis(data, settings, LAW), field

@@ -170,7 +170,7 @@ def linearised(
         size = np.abs(further["u_measured"].values).max() / np.abs(problem.observations.u).max()
         floor = problem.sigma * float(size)
     subcells = round(problem.refinement.subcells.shape[1] ** 0.5)
-    other = problem_of_basis(further, settings, problem.basis, subcells, problem.strategy, floor)
+    other = problem_of_basis(further, settings, problem.basis, subcells, floor)
     begin = [problem.refinement.interpolation @ u for u in other.observations.u]
     states = other.equilibrium.states(params, begin)
     if states is None:

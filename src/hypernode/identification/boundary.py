@@ -8,9 +8,7 @@ import scipy.sparse
 from hypernode.data.boundary import PrescribedDisplacement, prescribed_displacement
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
-
-#: Of weights that sum to one.
-ROUNDING = 1e-9
+from hypernode.identification import numerics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +61,7 @@ def boundary_of(refinement: Refinement, grid: Mesh, u, prescribed, noise, blurre
     observed = np.flatnonzero(~mask.ravel() & np.isfinite(u.ravel()))
     relative = relative.ravel()[observed]
     # A node between two that are prescribed is prescribed as well.
-    mask = between @ mask > 1.0 - ROUNDING
+    mask = between @ mask > 1.0 - numerics.ROUNDING
     return Boundary(
         mask=mask,
         values=between @ edges.values,

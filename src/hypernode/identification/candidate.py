@@ -7,22 +7,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.stats import chi2, norm
 
+from hypernode.identification import thresholds
 from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_fit import Fit
 from hypernode.identification.problem import FieldProblem
 from hypernode.trace import Score, Trial
-
-#: Standard deviations of the noise's level by which what is left may exceed it.
-BY_CHANCE = 3.0
-#: Gain of a score from which one more material or term is kept: odds of 20 to 1.
-EVIDENCE = 3.0
-#: Standard deviations between two materials, or between a term and none, from which they are not tried as one: three
-#: are no chance, and what elements miss makes a few times as much.
-APART = 10.0
-#: Misfit of displacements over their noise of which three quarters of the squares are no noise.
-MOSTLY_NO_NOISE = 2.0
-#: Ratio of what few materials leave to what a factor in every cell leaves, from which the sheet is not made of them.
-NOT_MADE_OF_FEW = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,18 +77,18 @@ class Candidate:
     def leaves_more_than_noise(self) -> bool:
         """Whether the residual of displacements is larger than noise makes it by chance."""
         known = self.problem.observations.noise_uncertainty
-        return bool(self.level > 1.0 + BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5))
+        return bool(self.level > 1.0 + thresholds.BY_CHANCE * max(known, (2.0 * self.fit.left.independent) ** -0.5))
 
     @property
     def misses_forces(self) -> bool:
         """Whether forces are missed by more than their errors make it by chance."""
         count = sum(force.step in self.fit.steps for force in self.problem.forces)
-        return bool(self.fit.force_squared > chi2.isf(norm.sf(BY_CHANCE), max(count, 1)))
+        return bool(self.fit.force_squared > chi2.isf(norm.sf(thresholds.BY_CHANCE), max(count, 1)))
 
     @property
     def leaves_mostly_no_noise(self) -> bool:
         """Whether most of the residual of displacements is no noise."""
-        return bool(self.level > MOSTLY_NO_NOISE)
+        return bool(self.level > thresholds.MOSTLY_NO_NOISE)
 
     def halves(self, other: "Candidate") -> bool:
         """Whether its squared residual is less than half of that of another candidate, most of which was no noise."""

@@ -7,9 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from hypernode.fem.contour import ContourLines
-
-#: Share of a cell below which a layer of it is none.
-SMALLEST_SHARE = 1e-8
+from hypernode.identification import numerics
 
 
 class Cut(NamedTuple):
@@ -77,8 +75,8 @@ def laid(contours: ContourLines, distances) -> tuple[Int[np.ndarray, " cell"], C
     base, low, up = np.zeros(count, int), Cut.none(count), Cut.none(count)
     for k, distance in enumerate(distances):
         share, normal = contours.cells(distance)
-        whole = share > 1.0 - SMALLEST_SHARE
-        cut = (share > SMALLEST_SHARE) & ~whole
+        whole = share > 1.0 - numerics.SMALLEST_LAYER
+        cut = (share > numerics.SMALLEST_LAYER) & ~whole
         third = cut & (low.line >= 0)
         base = np.where(whole, k + 1, np.where(third & (low.share > 0.5), low.line + 1, base))
         low = Cut.none(count).where(whole, up.where(cut, low))

@@ -6,9 +6,9 @@ over all of it. Materials and lines cannot follow that, and bend to take a part 
 
 import numpy as np
 
+from hypernode.identification import priors, thresholds
 from hypernode.identification.beside import Beside
-from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
-from hypernode.identification.gradual import BENDS
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.parting import Parting
 from hypernode.identification.trend import trend
 
@@ -27,10 +27,10 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     trials, tried = parting.trials, []
     rest = parting.steps, parting.finds_window, kept
     for begun in (kept, parting.of_two or parting.of_parts(one, beside, 2)):
-        if begun is None or begun.level > NOT_MADE_OF_FEW * kept.level:
+        if begun is None or begun.level > thresholds.NOT_MADE_OF_FEW * kept.level:
             continue
         nothing = np.zeros(len(begun.fit.field.lines.grid.mesh.cells))
-        found = trend(trials, begun, begun.fit.field, nothing, begun.u, *rest, bends=BENDS[:1])
+        found = trend(trials, begun, begun.fit.field, nothing, begun.u, *rest, bends=priors.GRADUAL_BENDS[:1])
         if found is not None:
             tried.append(found)
     if not tried:
@@ -42,11 +42,13 @@ def with_common_trend(parting: Parting, one: Candidate, beside: Beside, kept: Ca
     field, best = first.fit.field, first
     # Smaller bends leave no less.
     if first.halves(kept):
-        best = trend(trials, first, field, field.grid_factor(), first.u, *rest, best=first, bends=BENDS[1:])
+        best = trend(
+            trials, first, field, field.grid_factor(), first.u, *rest, best=first, bends=priors.GRADUAL_BENDS[1:]
+        )
     gain = best.gain_over(kept)
-    if gain > EVIDENCE and best.halves(kept):
+    if gain > thresholds.EVIDENCE and best.halves(kept):
         trials.passed_over(kept, f"scores {gain:+.1f} against a gradual change of all materials")
         return best
-    why = f"scores {-gain:+.1f} against none" if gain <= EVIDENCE else "leaves more than half of the squares"
+    why = f"scores {-gain:+.1f} against none" if gain <= thresholds.EVIDENCE else "leaves more than half of the squares"
     trials.passed_over(best, why)
     return kept

@@ -12,12 +12,7 @@ import scipy.sparse
 from jaxtyping import Bool, Float, Int
 
 from hypernode.fem.mesh import Mesh
-
-#: What a side between two materials costs. The contour goes on or turns at its end: a digital straight line has no more
-#: than two directions (Rosenfeld, Digital straight line segments, 1974).
-SIDE = float(np.log(2.0))
-#: What changed labels must lower the cost by: less is chance.
-GAIN = 0.5
+from hypernode.identification import priors, thresholds
 
 
 @dataclass(frozen=True)
@@ -104,7 +99,7 @@ def sides_of(mesh: Mesh) -> scipy.sparse.csr_matrix:
     """What sides between cells cost (cell, cell)."""
     sides, _, _ = mesh.neighbours()
     both = np.concatenate([sides, sides[:, ::-1]])
-    return scipy.sparse.csr_matrix((np.full(len(both), SIDE), both.T), (len(mesh.cells),) * 2)
+    return scipy.sparse.csr_matrix((np.full(len(both), priors.CONTOUR_SIDE), both.T), (len(mesh.cells),) * 2)
 
 
 def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.ndarray, " cell"]:
@@ -140,14 +135,14 @@ def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.
         if len(together) and together.min() < change[best[0]]:
             best = list(options.pairs[together.argmin()])
         lowered = min(change.min(), together.min(initial=np.inf))
-        if not lowered < -GAIN:
+        if not lowered < -thresholds.CHANGED_CELLS_GAIN:
             # Errors of far cells may hide one another.
             far = change[:, None] + change + np.outer(sign, sign) * curvature
             far[options.cell[:, None] == options.cell] = np.inf
             far[one, other] = far[other, one] = np.inf
             best = list(np.unravel_index(far.argmin(), far.shape))
             lowered = float(far[tuple(best)])
-        if not lowered < -GAIN:
+        if not lowered < -thresholds.CHANGED_CELLS_GAIN:
             break
         for k in best:
             gradient += sign[k] * curvature[:, k]

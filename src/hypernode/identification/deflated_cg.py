@@ -16,21 +16,15 @@ import scipy.sparse.linalg
 from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
+from hypernode.identification import budgets, numerics
 
-#: Directions whose curvature is below this share of the largest, after scaling, say the same as others.
-REDUNDANT = 1e-8
-#: Memory of the directions and products that a solve remembers [bytes]. 200 of 100 x 100 cells take as much; of more
-#: cells, the worst of them take the place of all.
-REMEMBERED = 384 * 2**20
-#: Memory of what is copied of them at a time [bytes]: all of 50 x 50 cells.
-COPIED = 64 * 2**20
 #: Some vectors, each in its own array or as the rows of one.
 Vectors = Sequence[Float[np.ndarray, " n"]] | Float[np.ndarray, "vector n"]
 
 
 def _pieces(vectors: Vectors) -> Iterator[slice]:
     """Rows of the matrix of some vectors of which copies may be made at a time."""
-    n, rows = len(vectors[0]), max(COPIED // (8 * len(vectors)), 1)
+    n, rows = len(vectors[0]), max(budgets.COPIED // (8 * len(vectors)), 1)
     return (slice(first, first + rows) for first in range(0, n, rows))
 
 
@@ -51,7 +45,7 @@ def _own_products(one, other) -> Float[np.ndarray, " vector"]:
 def _metric_products(vectors, metric, scale) -> Float[np.ndarray, "vector vector"]:
     """Scalar products of every two of some scaled vectors in a metric."""
     n, found = len(vectors[0]), []
-    some = max(COPIED // (8 * n), 1)
+    some = max(budgets.COPIED // (8 * n), 1)
     for first in range(0, len(vectors), some):
         part = slice(first, first + some)
         images = metric @ (_columns(vectors[part]) * scale[part])
@@ -79,7 +73,7 @@ def worst_combinations(directions, products, metric, kept: int):
     scale = 1.0 / np.sqrt(_own_products(directions, products))
     curvature = _products(directions, products, 1.0) * np.outer(scale, scale)
     weight, vectors = scipy.linalg.eigh((curvature + curvature.T) / 2)
-    told = weight > REDUNDANT * weight[-1]
+    told = weight > numerics.REDUNDANT * weight[-1]
     whiten = vectors[:, told] / np.sqrt(weight[told])
     # Eigenvalues of the preconditioned system, one over these, would all be one if the preconditioner were perfect.
     inverse, vectors = scipy.linalg.eigh(whiten.T @ _metric_products(directions, metric, scale) @ whiten)
@@ -177,7 +171,7 @@ class DeflatedCG:
         Args:
             learn: whether a further system follows, for which the worst directions are kept.
         """
-        most = max(3 * self._kept, REMEMBERED // (2 * b.nbytes))
+        most = max(3 * self._kept, budgets.REMEMBERED // (2 * b.nbytes))
         searched, count = SearchDirections(self._metric, self._kept, most), 0
 
         def product(x):

@@ -10,9 +10,9 @@ from jaxtyping import Float
 from hypernode.fem.factors import factorise
 from hypernode.fem.mesh import EDGE_NAMES, Mesh
 from hypernode.fem.solver import EquilibriumSolver, law_stress
+from hypernode.identification import numerics
 from hypernode.identification.boundary import Boundary
 from hypernode.identification.observations import Observations
-from hypernode.identification.settings import Strategy
 from hypernode.mechanics.loads import Load
 from hypernode.mechanics.point_law import PointLaw
 
@@ -58,14 +58,14 @@ class FieldEquilibrium:
         )
 
     @classmethod
-    def of(cls, observations: Observations, law: PointLaw, strategy: Strategy) -> "FieldEquilibrium":
+    def of(cls, observations: Observations, law: PointLaw) -> "FieldEquilibrium":
         """That of the sheet of a test."""
         mesh, thickness = observations.refinement.mesh, observations.relative_thickness
         return cls(
             mesh=mesh,
             law=law,
             boundaries=observations.boundaries,
-            tolerance=strategy.newton_tolerance,
+            tolerance=numerics.NEWTON_TOLERANCE,
             relative_thickness=thickness,
         )
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification import thresholds
 from hypernode.identification.objective import NormalEquations, Objective, Step
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score import score_of
@@ -112,13 +113,13 @@ class Estimate:
     @property
     def unexplained(self) -> float:
         """The larger of the two weighted misfits over its limit; above one the test is not explained."""
-        strategy, forces = self.problem.strategy, self.misfits["force"]
+        forces = self.misfits["force"]
         # Forces across the pull are nearly zero, and uncertain by any share of themselves.
         relative = [force.sigma / abs(force.value) for force in self.problem.forces if force.value]
-        share = strategy.forces_described if self.problem.observations.own_grid else strategy.laws_described
+        share = thresholds.FORCES_DESCRIBED if self.problem.observations.own_grid else thresholds.LAWS_DESCRIBED
         described = share / min(relative) if relative else 0.0
-        limit = max(strategy.forces_unexplained, described)
-        return max(float(self.history[-1]) / strategy.unexplained, forces / limit)
+        limit = max(thresholds.FORCES_UNEXPLAINED, described)
+        return max(float(self.history[-1]) / thresholds.UNEXPLAINED, forces / limit)
 
     @functools.cached_property
     def effective_parameters(self) -> float:
@@ -204,13 +205,12 @@ class Estimate:
     @property
     def overfitted(self) -> bool:
         """Whether the residual of noisy displacements is smaller than noise allows, so noise was fitted."""
-        return bool(self.excess < -self.problem.strategy.never_so_little)
+        return bool(self.excess < -thresholds.NEVER_SO_LITTLE)
 
     @property
     def underfitted(self) -> bool:
         """Whether the misfit is too large for any field of these terms to explain the test."""
-        strategy = self.problem.strategy
-        much = self.excess > strategy.never_by_chance if self.problem.noisy else self.data_share > strategy.much_left
+        much = self.excess > thresholds.BY_CHANCE if self.problem.noisy else self.data_share > thresholds.MUCH_LEFT
         return bool(self.unexplained > 1.0 or much)
 
     def without_sensitivities(self) -> "Estimate":

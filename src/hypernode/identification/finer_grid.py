@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 
 from hypernode.fem.transfer import transfer
+from hypernode.identification import budgets
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.mosaic import Mosaic
-from hypernode.identification.trials import FAR, Trials
+from hypernode.identification.trials import Trials
 
 #: Sides of a coarse cell in those of a measured one.
 SIDES = 2.0
@@ -40,5 +41,5 @@ def on_measured_grid(trials: Trials, coarse: Candidate, steps: list[int], finds_
     u = {step: to_mesh.nodes @ each for step, each in coarse.u.items()}
     window = SIDES * coarse.fit.window if finds_window else None
     return trials.descend(
-        "on the measured grid", coarse, problem, field, u, steps, FAR, window, finds_window, settled=False
+        "on the measured grid", coarse, problem, field, u, steps, budgets.FAR, window, finds_window, settled=False
     )

@@ -6,6 +6,7 @@ import numpy as np
 
 from hypernode.config.methods import Constrained
 from hypernode.errors import ExpectedError
+from hypernode.identification import thresholds
 from hypernode.identification.problem import FieldProblem
 
 
@@ -30,7 +31,7 @@ def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained,
     for terms in richer:
         problem = problem_of(*terms)
         misfit = problem.homogeneous.force_misfit
-        if misfit.max() <= problem.strategy.impossible_forces:
+        if misfit.max() <= thresholds.IMPOSSIBLE_FORCES:
             return
     case = int(np.argmax(misfit))
     loading, F = problem.observations.loading, problem.observations.mean_F
@@ -42,7 +43,7 @@ def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained,
     )
     raise ImpossibleForcesError(
         f"{name}: the forces of load case {case} are missed by {misfit[case]:.0%} by every homogeneous sheet "
-        f"({', '.join(richer[-1]) or 'neo-Hookean'}), more than {problem.strategy.impossible_forces:.0%}: no sheet "
+        f"({', '.join(richer[-1]) or 'neo-Hookean'}), more than {thresholds.IMPOSSIBLE_FORCES:.0%}: no sheet "
         f"gives a mean stress of {seen} (normal components, force over section). Check sign, channel, unit "
         "and clock of the record, and that it is of this test"
     )

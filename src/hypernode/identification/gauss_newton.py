@@ -7,10 +7,11 @@ import numpy as np
 from hypernode.config.methods import Constrained
 from hypernode.errors import ExpectedError
 from hypernode.fem.transfer import transfer
+from hypernode.identification import budgets, numerics, priors, thresholds
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.regulariser import JumpCost, Regulariser
+from hypernode.identification.regulariser import JumpCost, Regulariser, unit_length
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, RIGID
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
@@ -27,7 +28,7 @@ def first_field(problem: FieldProblem, before: Estimate | None):
     vanish where the data do not determine them.
     """
     names, cells = problem.basis.names, len(problem.mesh.cells)
-    smallest = problem.strategy.smallest_fibre
+    smallest = numerics.SMALLEST_FIBRE
     centre = np.tile(problem.homogeneous.params, (cells, 1))
     params = centre.copy()
     fibre = [k for k, key in enumerate(names) if key in FIBRE_VECTOR]
@@ -48,13 +49,10 @@ def first_field(problem: FieldProblem, before: Estimate | None):
 
 def _objective(problem: FieldProblem, settings: Constrained, centre, scale: float | None) -> Objective:
     """What a descent minimises; ``centre`` is where the ridge pulls all parameters but the stiffness."""
-    strategy = problem.strategy
-    ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, strategy.ridge**2), len(centre))
-    unit = strategy.unit_length(problem.observations.grid.areas)
-    regulariser = Regulariser(
-        mesh=problem.mesh, names=problem.basis.names, unit=unit, stiffness=problem.stiffness, strategy=strategy
-    )
-    cost = JumpCost(strategy.smallest_jump, scale)
+    ridge = np.tile(np.where(np.arange(centre.shape[1]) == 0, 0.0, priors.RIDGE**2), len(centre))
+    unit = unit_length(problem.observations.grid.areas)
+    regulariser = Regulariser(mesh=problem.mesh, names=problem.basis.names, unit=unit, stiffness=problem.stiffness)
+    cost = JumpCost(priors.SMALLEST_JUMP, scale)
     return Objective(
         problem=problem,
         regulariser=regulariser,
@@ -62,7 +60,6 @@ def _objective(problem: FieldProblem, settings: Constrained, centre, scale: floa
         jump_cost=cost,
         ridge=ridge,
         centre=centre.ravel(),
-        strategy=strategy,
     )
 
 
@@ -73,8 +70,7 @@ def objective_at_end(problem: FieldProblem, settings: Constrained, centre) -> Ob
 
 
 def _last_cost(problem: FieldProblem, settings: Constrained, sharpen: bool) -> JumpCost:
-    strategy = problem.strategy
-    finest = strategy.sharp_jump if sharpen else strategy.smallest_jump
+    finest = priors.SHARP_JUMP if sharpen else priors.SMALLEST_JUMP
     return JumpCost(finest, settings.jump_scale, isotropic=True)
 
 
@@ -103,7 +99,6 @@ def descend(
     Raises:
         IdentificationError: no equilibrium at the homogeneous start.
     """
-    strategy = problem.strategy
     params, centre, guesses = first_field(problem, before)
     states = problem.equilibrium.states(params, guesses)
     if states is None and before is not None:
@@ -121,7 +116,7 @@ def descend(
     final = _last_cost(problem, settings, sharpen=problem.sharp)
     stage = f"constrained field ({described(problem)})"
     progress = Progress(stage, name, settings.iterations)
-    damping, history, linear, step = strategy.first_damping, [objective.misfit(states, None)], None, None
+    damping, history, linear, step = numerics.FIRST_DAMPING, [objective.misfit(states, None)], None, None
     ending = Ending.OUT_OF_ITERATIONS
     for iteration in range(settings.iterations):
         sigma = problem.sigma * max(1.0, history[-1])
@@ -129,23 +124,23 @@ def descend(
         linear = None
         linear = problem.linearise(params, states, sigma)
         cost = objective.value(params, states, sigma, linear)
-        explained = history[-1] <= strategy.explained
+        explained = history[-1] <= thresholds.EXPLAINED
         step = objective.gauss_newton(linear, params, states, damping, explained, step and step.deflation)
         found = _line_search(objective, linear, params, states, step.change, cost)
         if found is None:
-            if damping > strategy.largest_damping:
+            if damping > numerics.LARGEST_DAMPING:
                 ending = Ending.STAGNATED
                 break
-            damping = max(strategy.damping_after_failure * damping, strategy.first_damping)
+            damping = max(numerics.DAMPING_AFTER_FAILURE * damping, numerics.FIRST_DAMPING)
             progress.advance(misfit=history[-1], cost=cost)
             continue
         params, states, after, fraction = found
-        damping = _next_damping(strategy, damping, fraction)
+        damping = _next_damping(damping, fraction)
         history.append(objective.misfit(states, linear))
         progress.advance(misfit=history[-1], cost=after)
         jump_cost = objective.jump_cost
-        close = history[-1] <= strategy.explained
-        if jump_cost.scale is None and (close or iteration + 1 >= strategy.convex_iterations):
+        close = history[-1] <= thresholds.EXPLAINED
+        if jump_cost.scale is None and (close or iteration + 1 >= budgets.CONVEX_STEPS):
             jump_cost = dataclasses.replace(jump_cost, scale=settings.jump_scale)
         else:
             settled = close and jump_cost.isotropic and cost - after < tolerance * problem.cost_of_noise
@@ -189,11 +184,11 @@ def described(problem: FieldProblem) -> str:
     return ", ".join(problem.basis.terms) or "neo-Hookean"
 
 
-def _next_damping(strategy, damping: float, fraction: float) -> float:
+def _next_damping(damping: float, fraction: float) -> float:
     """Less after a whole step, more after a short one."""
-    if fraction >= strategy.whole_step:
-        return max(strategy.damping_after_success * damping, strategy.smallest_damping)
-    return strategy.damping_after_short_step * damping if fraction < strategy.short_step else damping
+    if fraction >= numerics.WHOLE_STEP:
+        return max(numerics.DAMPING_AFTER_SUCCESS * damping, numerics.SMALLEST_DAMPING)
+    return numerics.DAMPING_AFTER_SHORT_STEP * damping if fraction < numerics.SHORT_STEP else damping
 
 
 def _line_search(objective: Objective, linear, params, states, change, before: float):
@@ -201,17 +196,16 @@ def _line_search(objective: Objective, linear, params, states, change, before: f
 
     None where there is no such fraction.
     """
-    strategy = objective.strategy
-    longest = 1.0 if objective.jump_cost.scale is None else strategy.over_relaxation
+    longest = 1.0 if objective.jump_cost.scale is None else numerics.OVER_RELAXATION
     # Few parameters ask for long steps, where data say little of them; they must not hold the others up.
     # A clipped step need not lead downhill, though; a short enough one in the whole step's direction does.
-    clipped = np.clip(change, -strategy.largest_step, strategy.largest_step)
-    scaled = change * min(1.0, strategy.largest_step / max(np.abs(change).max(), np.finfo(float).tiny))
+    clipped = np.clip(change, -numerics.LARGEST_STEP, numerics.LARGEST_STEP)
+    scaled = change * min(1.0, numerics.LARGEST_STEP / max(np.abs(change).max(), np.finfo(float).tiny))
     factors = [step.factor for step in linear.steps]
     bounds = _bounds(objective.problem)
     fractions = (
-        (clipped, longest * strategy.fraction ** np.arange(strategy.clipped_trials)),
-        (scaled, strategy.fraction ** np.arange(strategy.scaled_trials)),
+        (clipped, longest * numerics.SEARCH_FACTOR ** np.arange(budgets.CLIPPED_TRIALS)),
+        (scaled, numerics.SEARCH_FACTOR ** np.arange(budgets.SCALED_TRIALS)),
     )
     for direction, lengths in fractions:
         du = linear.displacement(direction)

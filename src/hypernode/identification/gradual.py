@@ -13,12 +13,9 @@ from jaxtyping import Float
 from scipy.interpolate import BSpline
 
 from hypernode.fem.mesh import Mesh
+from hypernode.identification import priors
 from hypernode.identification.sheet import CellResponse
 
-#: Cells of the measured grid between knots: what changes within fewer is no gradual change but a line.
-CELLS = 5
-#: Usual second differences of neighbouring coefficients that are tried, and the usual size of coefficients.
-BENDS, SIZE = (0.2, 0.05, 0.0125), 2.0
 DEGREE = 3
 
 
@@ -40,11 +37,11 @@ class Splines:
     @classmethod
     def of(cls, grid: Mesh, fine: Mesh, bend: float) -> "Splines":
         """On a measured grid and the mesh that divides it."""
-        counts = [max(round((len(line) - 1) / CELLS), 1) for line in grid.lines]
+        counts = [max(round((len(line) - 1) / priors.CELLS_BETWEEN_KNOTS), 1) for line in grid.lines]
         x, y = (scipy.sparse.identity(count + DEGREE) for count in counts)
         across, up = (_second_differences(count + DEGREE) for count in counts)
         bends = scipy.sparse.vstack([scipy.sparse.kron(y, across), scipy.sparse.kron(up, x)]) / bend
-        held = bends.T @ bends + scipy.sparse.identity(bends.shape[1]) / SIZE**2
+        held = bends.T @ bends + scipy.sparse.identity(bends.shape[1]) / priors.GRADUAL_SIZE**2
         return cls(_values(fine, grid, counts), _values(grid, grid, counts), held.tocsr(), bend)
 
     def fitted(self, values: Float[np.ndarray, " cell"]) -> Float[np.ndarray, " spline"]:

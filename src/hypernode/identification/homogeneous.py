@@ -7,16 +7,14 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification import budgets, numerics, priors
 from hypernode.identification.equilibrium import FieldEquilibrium
 from hypernode.identification.observations import Observations
 from hypernode.identification.points import Points
-from hypernode.identification.settings import Strategy
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, ConvexBasis
 
 #: Misfits of 1 % count as one.
 PERCENT = 100.0
-#: First guess of the neo-Hookean coefficient, over the largest mean stress: that of a stretch of about a third.
-FIRST_LEVEL = 0.3
 
 
 @dataclass(frozen=True)
@@ -33,9 +31,7 @@ class Homogeneous:
     force_misfit: Float[np.ndarray, " case"]
 
 
-def fit_homogeneous(
-    observations: Observations, basis: ConvexBasis, equilibrium: FieldEquilibrium, strategy: Strategy
-) -> Homogeneous:
+def fit_homogeneous(observations: Observations, basis: ConvexBasis, equilibrium: FieldEquilibrium) -> Homogeneous:
     """Fit one material to the mean stresses of the mean deformation.
 
     Clamps deform even a homogeneous sheet non-uniformly. This effect is computed and corrected, unless the grid is cut
@@ -44,7 +40,7 @@ def fit_homogeneous(
     loading, mean_F, points = observations.loading, observations.mean_F, Points(basis)
     target, known = np.moveaxis(loading.P_average, 0, -1), np.moveaxis(loading.measured, 0, -1)
     start = basis.start
-    start[0] = np.log(FIRST_LEVEL * loading.scale.max())
+    start[0] = np.log(numerics.FIRST_LEVEL * loading.scale.max())
 
     def everywhere(params):
         return np.tile(params[:, None], mean_F.shape[2])
@@ -69,17 +65,17 @@ def fit_homogeneous(
             jac=lambda p: np.concatenate([PERCENT * measured(derivative(p), steps), ridges]),
         ).x
 
-    found = fit(strategy.strong_ridge, slice(None), target)
+    found = fit(priors.STRONG_RIDGE, slice(None), target)
     clamped = loading.constrained.all(axis=2).any()
     straight = target
-    for _ in range(strategy.bending_rounds if clamped and not observations.cut else 0):
+    for _ in range(budgets.BENDING_ROUNDS if clamped and not observations.cut else 0):
         bent = _bending(equilibrium, basis, found)
         if bent is None:
             break
         straight = target - bent
-        found = fit(strategy.strong_ridge, slice(None), straight)
+        found = fit(priors.STRONG_RIDGE, slice(None), straight)
     cases = [loading.load_case == k for k in range(loading.load_case.max() + 1)]
-    fits = [(fit(strategy.weak_ridge, steps, straight), steps) for steps in cases]
+    fits = [(fit(priors.WEAK_RIDGE, steps, straight), steps) for steps in cases]
     missed = [measured(value(params, straight), steps) for params, steps in fits]
     # A load case without forces misses none.
     closest = [np.sqrt(np.mean(each**2)) if len(each) else 0.0 for each in missed]

@@ -9,26 +9,21 @@ from hypernode.data.believed_noise import BelievedNoise
 from hypernode.data.believed_window import BelievedWindow
 from hypernode.data.measurement import correlation_window, displacement_noise, window_uncertainty
 from hypernode.fem.factors import factorise
+from hypernode.identification import budgets, numerics, priors, thresholds
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interface_numbers import HELD, bends_of, held_of
+from hypernode.identification.interface_numbers import bends_of, held_of
 from hypernode.identification.interfaces import Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.objective import Objective
+from hypernode.identification.observations import description_error
 from hypernode.identification.regulariser import JumpCost
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import Trials
 from hypernode.identification.unseen_strips import with_carried_shares
 from hypernode.identification.window_error import changed_by_window, told_errors
-
-#: Steps of the last descent, which begins where the search ended.
-STEPS = 20
-#: Part of the way to another step that is followed at once, at least.
-LEAST_PART = 1.0 / 32.0
-#: Ratio of what is left to the believed noise, or the other way round, beyond which that is told anew.
-NOISE_KNOWN = 1.1
 
 
 def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEstimate | None:
@@ -46,7 +41,7 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     problem = trials.problem(kept.terms, kept.subcells, floor)
     field = kept.fit.field.on(Lines.of(problem.observations.grid, problem.refinement, kept.fit.field.lines))
     u = {k: _near(kept, k) for k in every}
-    found = trials.descend("all load steps", kept, problem, field, u, every, STEPS)
+    found = trials.descend("all load steps", kept, problem, field, u, every, budgets.ANSWER_STEPS)
     if found is None:
         return None
     # Steps that the search left out may tell a term more.
@@ -57,7 +52,7 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
         return estimate
     trials.believe(told)
     problem, move = trials.problem(found.terms, found.subcells, floor), "what is beside the points"
-    again = trials.descend(move, found, problem, found.fit.field, found.u, every, STEPS)
+    again = trials.descend(move, found, problem, found.fit.field, found.u, every, budgets.ANSWER_STEPS)
     return estimate if again is None else _estimate(trials, again)
 
 
@@ -74,12 +69,12 @@ def _near(kept: Candidate, step: int) -> np.ndarray:
     closest = min((k for k in fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
     (u, _, K), sheet = fit.states[fit.steps.index(closest)], SeenTest(problem, [step]).sheet
     done, part = 0.0, 1.0
-    while done < 1.0 and part > LEAST_PART:
+    while done < 1.0 and part > numerics.SHORTEST_WAY:
         change = part / (1.0 - done) * (held - u.ravel())
         change[free] = 0.0
         change[free] = -factorise(K[free][:, free]).solve((K @ change)[free])
         near = u + change.reshape(u.shape)
-        reached = sheet.equilibrium(near, free, of, problem.strategy.newton_tolerance)
+        reached = sheet.equilibrium(near, free, of, numerics.NEWTON_TOLERANCE)
         if reached is None:
             part = 0.5 * part
             continue
@@ -107,14 +102,14 @@ def _believed(trials: Trials, final: Candidate, finds_window: bool) -> float:
     near = [each.ravel()[b.observed] for each, b in zip(changed, boundaries, strict=True)]
     level, share = told_errors(np.concatenate(residuals), np.concatenate(near))
     level = level / (sigma * observations.scatter) * left.level / final.fit.misfit
-    told = max(level, 1.0 / level) > NOISE_KNOWN and not left.alike
+    told = max(level, 1.0 / level) > thresholds.NOISE_KNOWN and not left.alike
     if told and displacement_noise(measurement) > 0.0:
         believed = BelievedNoise.read(measurement.attrs)
         trials.believe(dataclasses.replace(believed, factor=believed.factor * level).of(measurement))
     if side > 0.0 and window_uncertainty(measurement) > 0.0:
         trials.believe(BelievedWindow(side, error, share).of(trials.measurement))
         return 0.0
-    trusted = trials.strategy.description_error(False, final.subcells, len(observations.grid.cells))
+    trusted = description_error(False, final.subcells, len(observations.grid.cells))
     size = float(np.sqrt(np.mean(changed**2)))
     return min(share * size, trusted * float(np.abs(observations.u).max())) if final.fit.field.distances.size else 0.0
 
@@ -124,7 +119,7 @@ def _estimate(trials: Trials, found: Candidate) -> InterfaceEstimate:
     test = SeenTest(problem, fit.steps, fit.window, fit.edges)
     moves, materials = InterfaceFit(test).moves(fit.field), fit.field.materials
     count = len(fit.field.numbers(moves))
-    unknown = np.where(np.arange(count) < materials.size, 0.0, HELD)
+    unknown = np.where(np.arange(count) < materials.size, 0.0, priors.DISTANCE_HELD)
     going = np.ones(count, bool)
     going[: materials.size] = (materials > problem.basis.lowest).ravel()
     each = zip(fit.states, problem.observations.boundaries, strict=True)
@@ -137,7 +132,6 @@ def _estimate(trials: Trials, found: Candidate) -> InterfaceEstimate:
             jump_cost=JumpCost(),
             ridge=np.zeros(count),
             centre=np.zeros(count),
-            strategy=trials.strategy,
         ),
         linear=test.jacobian(fit.field, fit.states, moves),
         params=materials,

@@ -9,24 +9,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hypernode.identification import numerics, priors, thresholds
 from hypernode.identification.errors import EdgeAnswers
 from hypernode.identification.interface_noise import Left, left_of
-from hypernode.identification.interface_numbers import UNKNOWN, Derivatives, Numbers, numbers_of
+from hypernode.identification.interface_numbers import Derivatives, Numbers, numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.projected_newton import projected_steps
 from hypernode.identification.seen_test import SeenTest
 from hypernode.verdict import Ending
-
-#: Distance from a line, in sides of cells, within which it may change: corners of the cells that it cuts.
-REACH = 1.3
-#: Steps before which distances are measured anew, so that their slope stays one, and how many follow at least.
-MEASURED, SETTLED = (2, 5), 6
-#: Regions of fewer nodes than a cell's are none.
-FEWEST = 4
-#: What a step gains that ends a descent, and the same over the cost, or over that of noise where this is more.
-GAIN, RELATIVE_GAIN = 0.5, 1e-3
-#: Share of what a step promises that it must gain, so that the next one may be made of the same derivatives.
-TRUSTED = 0.7
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -82,7 +72,6 @@ class InterfaceFit:
 
     def __init__(self, test: SeenTest, find_window: bool = False, move_lines: bool = True, settled: bool = False):
         self.test, self._finds, self._moves = test, find_window, move_lines
-        self._strategy = test.problem.strategy
         self._window_error, self._measures = 0.0, move_lines and not settled
         #: Number of the damping with which the next step begins.
         self._damping = 0
@@ -91,7 +80,7 @@ class InterfaceFit:
 
     def moves(self, field: Interfaces) -> list:
         """How the distances from each line follow when its points move."""
-        return field.moves(REACH) if self._moves else field.still
+        return field.moves(numerics.LINE_REACH) if self._moves else field.still
 
     def _numbers(self, field: Interfaces, moves=None) -> Numbers:
         window = self.test.window if self._finds else None
@@ -110,8 +99,8 @@ class InterfaceFit:
         self._model = self._latest = None
         self._damping = 0
         for number in range(iterations):
-            if self._measures and number in MEASURED:
-                anew = field.measured_anew(FEWEST)
+            if self._measures and number in numerics.MEASURED_ANEW:
+                anew = field.measured_anew(thresholds.FEWEST_NODES)
                 again = test.states(anew, [u for u, _, _ in states])
                 field, states = (field, states) if again is None else (anew, again)
                 self._model = self._latest = None
@@ -121,7 +110,9 @@ class InterfaceFit:
             fresh = self._model is None and not self._damping
             moved, before, gained = self._step(field, states, sigma)
             # What is gained far below noise is nothing.
-            small = gained < max(GAIN, RELATIVE_GAIN * max(before, 0.5 * test.observed))
+            small = gained < max(
+                numerics.DESCENT_GAIN, numerics.RELATIVE_DESCENT_GAIN * max(before, 0.5 * test.observed)
+            )
             if moved is not None:
                 field, states = moved
             if not fresh and (moved is None or small):
@@ -130,7 +121,7 @@ class InterfaceFit:
             elif moved is None:
                 ending = Ending.CONVERGED if small else Ending.STAGNATED
                 break
-            elif small and number >= SETTLED * (self._measures and field.count > 1):
+            elif small and number >= numerics.SETTLED * (self._measures and field.count > 1):
                 ending = Ending.CONVERGED
                 break
         return self._fit(field, states, ending, history)
@@ -152,11 +143,11 @@ class InterfaceFit:
         curvature = curvature + numbers.held.toarray()
         gradient = gradient + numbers.slope(numbers.y)
         if self._finds:
-            covariance = np.linalg.inv(curvature + np.diag(UNKNOWN * numbers.floor))
+            covariance = np.linalg.inv(curvature + np.diag(priors.NOT_HELD * numbers.floor))
             self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
         window, count, promised = test.window, len(numbers.y) - self._finds, []
         for changed, gain, damping in projected_steps(
-            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._strategy, self._damping
+            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._damping
         ):
             promised.append(gain)
             change = changed - numbers.y
@@ -168,7 +159,7 @@ class InterfaceFit:
                     test.see_through(float(changed[-1]))
                 after = 0.5 * shared.squared(test.residuals(reached, sigma)) + numbers.prior(y)
                 if after < before:
-                    if len(promised) == 1 and before - after > TRUSTED * gain:
+                    if len(promised) == 1 and before - after > numerics.TRUSTED * gain:
                         self._model = model
                     # The next step is a little bolder than this one, and no more.
                     self._damping = max(damping - 1, 0)

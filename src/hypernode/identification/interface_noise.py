@@ -5,11 +5,7 @@ import dataclasses
 import numpy as np
 
 from hypernode.fem.mesh import Mesh
-
-#: Distance in points up to which errors of neighbours are looked at: overlapping subsets share no more.
-REACH = 4
-#: Correlation of what different steps leave, up to which it is noise: a shared reference picture makes a half.
-NOISE_SHARED = 0.6
+from hypernode.identification import priors, thresholds
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -33,7 +29,7 @@ class Left:
     @property
     def alike(self) -> bool:
         """Whether the residuals of different steps agree too well to be noise."""
-        return bool(self.steps > NOISE_SHARED)
+        return bool(self.steps > thresholds.NOISE_SHARED)
 
     @property
     def inflation(self) -> float:
@@ -86,8 +82,8 @@ def left_of(grid: Mesh | None, observed, white, determined: float) -> Left:
 def _correlations(maps, axis: int) -> np.ndarray:
     """Correlation of points 1 to :data:`REACH` apart along an axis; none behind the first that is not there."""
     mean = np.nanmean(maps**2)
-    found = np.zeros(REACH)
-    for apart in range(1, min(REACH, maps.shape[axis] - 1) + 1):
+    found = np.zeros(priors.NOISE_REACH)
+    for apart in range(1, min(priors.NOISE_REACH, maps.shape[axis] - 1) + 1):
         one, other = (
             np.take(maps, range(apart, maps.shape[axis]), axis),
             np.take(maps, range(maps.shape[axis] - apart), axis),

@@ -7,21 +7,12 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
+from hypernode.identification import numerics, priors
 from hypernode.identification.answers import Answer
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.straight_steps import straight
 from hypernode.mechanics.convex_basis import ConvexBasis
-
-#: In sides of cells: how near a line its distances bend, and by how much they usually do.
-BENT, BEND = 0.8, 0.3
-#: Inverse variance of what a step changes of distances without data.
-HELD = 3.0
-#: Inverse variance of the window without data: none.
-UNKNOWN = 1e-6
-#: That of the logarithm of a stiffness, small, and of every other parameter: fibres and further terms are about as
-#: strong as the matrix.
-OF_LEVEL, OF_LAW = 0.02, 1.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -90,16 +81,16 @@ def bends_of(field: Interfaces, moves) -> list[tuple[scipy.sparse.csr_matrix, Fl
     middle, whole = bends.indices[bends.data < 0.0], np.asarray(abs(bends).sum(axis=1)).ravel()
     for row, move in zip(field.distances, moves, strict=True):
         inside = (np.diff(move.indptr) > 0).astype(float)
-        rows = np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < BENT))
+        rows = np.flatnonzero((whole - abs(bends) @ inside < 0.5) & (np.abs(row[middle]) < priors.LINE_BENDS_WITHIN))
         # Bends of a shape that is known are no news.
-        some = bends[rows[:0] if field.lines.as_one else rows] / BEND
+        some = bends[rows[:0] if field.lines.as_one else rows] / priors.LINE_BEND
         found.append((some @ move, some @ row))
     return found
 
 
 def held_of_materials(field: Interfaces) -> Float[np.ndarray, " parameter"]:
     """Inverse variance of every parameter of every material without data, material by material."""
-    return np.tile(np.append(OF_LEVEL, np.full(field.materials.shape[1] - 1, OF_LAW)), field.count)
+    return np.tile(np.append(priors.LEVEL_HELD, np.full(field.materials.shape[1] - 1, priors.LAW_HELD)), field.count)
 
 
 def held_of(field: Interfaces, bends) -> scipy.sparse.csr_matrix:
@@ -110,13 +101,13 @@ def held_of(field: Interfaces, bends) -> scipy.sparse.csr_matrix:
     """
     blocks = [scipy.sparse.diags(held_of_materials(field)), *(change.T @ change for change, _ in bends)]
     if field.lines.splines is not None:
-        blocks += [field.lines.splines.held, OF_LAW * scipy.sparse.identity(len(field.turn))]
+        blocks += [field.lines.splines.held, priors.LAW_HELD * scipy.sparse.identity(len(field.turn))]
     return scipy.sparse.block_diag(blocks, format="csr")
 
 
 def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | None) -> Numbers:
     """The numbers of a field, and the side of the window as the last where it is one."""
-    strategy, law = problem.strategy, problem.basis
+    law = problem.basis
     y, bends = field.numbers(moves), bends_of(field, moves)
     held = held_of(field, bends)
     centre = np.zeros(len(law.names))
@@ -127,12 +118,12 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
     base = 0.5 * float(held_of_materials(field) @ centre**2) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
     extra = len(y) - field.materials.size
     lowest = np.concatenate([np.tile(law.lowest, field.count), np.full(extra, -np.inf)])
-    known = strategy.largest_step**-2.0
-    floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, HELD)])
+    known = numerics.LARGEST_STEP**-2.0
+    floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, priors.DISTANCE_HELD)])
     if window is not None:
-        y, pull = np.append(y, window), np.append(pull, UNKNOWN * window)
-        base += 0.5 * UNKNOWN * window**2
-        held = scipy.sparse.block_diag([held, [[UNKNOWN]]], format="csr")
+        y, pull = np.append(y, window), np.append(pull, priors.NOT_HELD * window)
+        base += 0.5 * priors.NOT_HELD * window**2
+        held = scipy.sparse.block_diag([held, [[priors.NOT_HELD]]], format="csr")
         lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
     return Numbers(
         of_materials=field.materials.size, y=y, moves=moves, held=held, pull=pull, base=base, lowest=lowest, floor=floor

@@ -15,8 +15,9 @@ from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
 from hypernode.data.information import information_of
 from hypernode.data.measurement import window_sought
+from hypernode.identification import budgets, thresholds
 from hypernode.identification.beside import Beside
-from hypernode.identification.candidate import MOSTLY_NO_NOISE, NOT_MADE_OF_FEW, Candidate
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.common_trend import with_common_trend
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.force_course import check_forces
@@ -26,15 +27,11 @@ from hypernode.identification.missing import with_what_is_missing
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.moves import Moves
-from hypernode.identification.parting import FAR_FROM_NOISE, MOST, Parting
-from hypernode.identification.settings import Strategy
+from hypernode.identification.parting import Parting
 from hypernode.identification.small_steps import from_smallest, of_likeliest_cut
 from hypernode.identification.trials import Trials, largest_and_half
 from hypernode.identification.volume import of_likelier_volume, with_area
 from hypernode.progress import say
-
-#: How often materials are sought again on top of another law.
-ROUNDS = 2
 
 
 class Search:
@@ -47,11 +44,9 @@ class Search:
         keeps_volume: of :class:`~hypernode.identification.volume.Parts`.
     """
 
-    def __init__(
-        self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy, *, coarse: bool = False
-    ):
+    def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, *, coarse: bool = False):
         self.keeps_volume, self._coarse = False, coarse
-        trials = self._trials = Trials(measurement, settings, name, strategy)
+        trials = self._trials = Trials(measurement, settings, name)
         self._finds = information_of(measurement) is None and window_sought(measurement)
         problem = self._problem = trials.plainest()
         self._moves = Moves(trials, largest_and_half(problem), self._finds)
@@ -72,7 +67,7 @@ class Search:
             return None
         if one.leaves_more_than_noise:
             # Beside clamps coarse elements miss more than a good camera does, but not far more.
-            alone = moves.finer(one) if one.level < FAR_FROM_NOISE else None
+            alone = moves.finer(one) if one.level < thresholds.FAR_FROM_NOISE else None
             if alone is not None and not alone.leaves_more_than_noise:
                 alone = moves.of_one(alone)
                 return alone, alone
@@ -106,9 +101,9 @@ class Search:
                 kept, finer = moves.with_law_and_finer(common)
         elif len(kept.fit.field.gradual) and (alone := moves.without_change(finer, one)):
             return alone, alone
-        if finer.leaves_more_than_noise and finer.fit.misfit > NOT_MADE_OF_FEW * parting.by_cell:
+        if finer.leaves_more_than_noise and finer.fit.misfit > thresholds.NOT_MADE_OF_FEW * parting.by_cell:
             cells = MosaicSearch(trials, moves.steps).instead_of(kept, finer)
-            if cells is finer or cells.fit.misfit > NOT_MADE_OF_FEW * max(parting.by_cell, 1.0):
+            if cells is finer or cells.fit.misfit > thresholds.NOT_MADE_OF_FEW * max(parting.by_cell, 1.0):
                 say("constrained", trials.name, "few materials leave far more than a factor in every cell")
                 return None
             return cells, cells
@@ -136,7 +131,7 @@ class Search:
 
     @property
     def _many_cells(self) -> bool:
-        return len(self._problem.mesh.cells) > self._trials.strategy.most_cells_at_once
+        return len(self._problem.mesh.cells) > budgets.MOST_CELLS_AT_ONCE
 
     @functools.cached_property
     def _coarser(self) -> "Search":
@@ -144,7 +139,7 @@ class Search:
         trials = self._trials
         coarse = coarsened(trials.measurement)
         say("constrained", trials.name, f"{coarse.sizes['cell']} cells of every second grid line first")
-        return Search(coarse, trials.settings, trials.name, trials.strategy, coarse=True)
+        return Search(coarse, trials.settings, trials.name, coarse=True)
 
     def _mosaic(self, one: Candidate, beside: Beside | None) -> Candidate | None:
         """Whole cells of a few materials, where these leave nothing; None where they leave more.
@@ -180,7 +175,7 @@ class Search:
         trials = self._trials
         say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
         settings = with_area(trials.settings)
-        search = Search(trials.measurement, settings, trials.name, trials.strategy, coarse=self._coarse)
+        search = Search(trials.measurement, settings, trials.name, coarse=self._coarse)
         found = search.found()
         if found is None or found[1].fit.misfit > kept.fit.misfit:
             trials.after(search._trials)
@@ -198,10 +193,10 @@ class Search:
         Args:
             asked: candidates on top of which nothing was found.
         """
-        for _ in range(ROUNDS):
+        for _ in range(budgets.SEARCH_ROUNDS):
             # Where residuals differ from step to step, as many materials may lie elsewhere.
             open_ = finer.misses_deformation or finer.leaves_mostly_no_noise
-            most = MOST if open_ else kept.fit.field.count
+            most = budgets.MOST_MATERIALS if open_ else kept.fit.field.count
             again = finer.leaves_more_than_noise and kept not in asked and not len(kept.fit.field.gradual)
             more = parting.parted(kept, most=most) if again else kept
             if more is kept:
@@ -214,7 +209,7 @@ class Search:
 
         They do where a factor in every cell leaves more than noise of the largest steps.
         """
-        if beside.found is None or beside.found.misfit < MOSTLY_NO_NOISE:
+        if beside.found is None or beside.found.misfit < thresholds.MOSTLY_NO_NOISE:
             return parting.parted(one, beside)
         return next(self._others, None) or parting.parted(one, beside)
 

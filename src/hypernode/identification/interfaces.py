@@ -14,13 +14,11 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
+from hypernode.identification import numerics
 from hypernode.identification.coats import Cuts, laid, layers_of
 from hypernode.identification.contours import Options, options_of, sides_of
 from hypernode.identification.gradual import Splines, loads_of_change, turned
 from hypernode.identification.sheet import CellMaterials, CellResponse, Sheet
-
-#: How far a piece begins to reach from the centre of its cell, in sides of cells: just beyond the corners.
-REACHES = 0.8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -269,7 +267,7 @@ class Interfaces:
         """The field with pieces of materials in the cells whose label is another one."""
         before, distances = self.labels(), self.distances.copy()
         for cell in np.flatnonzero(labels != before):
-            piece = REACHES - self._from_centre(cell)
+            piece = numerics.PIECE_REACH - self._from_centre(cell)
             for k in range(max(labels[cell], 1), self.count):
                 # What is laid later would hide the piece.
                 own = k == labels[cell]

@@ -12,13 +12,13 @@ from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
 from hypernode.data.measurement import window_sought
+from hypernode.identification import budgets
 from hypernode.identification.gauss_newton import IdentificationError
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
-from hypernode.identification.settings import STRATEGY, Strategy
-from hypernode.identification.trials import FAR, NEAR, Trials, homogeneous_displacement, largest_and_half
+from hypernode.identification.trials import Trials, homogeneous_displacement, largest_and_half
 
 
 def of_shape(
@@ -26,7 +26,6 @@ def of_shape(
     distances: Float[np.ndarray, "line node"],
     settings: Constrained,
     name: str,
-    strategy: Strategy = STRATEGY,
 ) -> InterfaceEstimate:
     """The laws of phases whose lines are known but for a shift.
 
@@ -40,18 +39,20 @@ def of_shape(
     Raises:
         IdentificationError: the sheet finds no equilibrium.
     """
-    trials = Trials(measurement, settings, name, strategy)
+    trials = Trials(measurement, settings, name)
     problem = trials.plainest()
     steps, u = largest_and_half(problem), homogeneous_displacement(problem)
     finds = len(distances) > 0 and window_sought(measurement)
     lines = dataclasses.replace(Lines.of(problem.observations.grid, problem.refinement), as_one=True)
     field = Interfaces(lines, np.tile(problem.homogeneous.params, (len(distances) + 1, 1)), distances)
-    found = trials.descend("phases of the known shape", None, problem, field, u, steps, FAR, None, finds)
+    found = trials.descend("phases of the known shape", None, problem, field, u, steps, budgets.FAR, None, finds)
     if found is None:
         raise _no_equilibrium(name)
     found = LawSearch(trials, steps, finds).end(found)
     window = found.fit.window if finds else None
-    found = trials.descend("finer elements", found, *trials.on_finer_elements(found), steps, NEAR, window, finds)
+    found = trials.descend(
+        "finer elements", found, *trials.on_finer_elements(found), steps, budgets.NEAR, window, finds
+    )
     estimate = None if found is None else answer(trials, found, finds)
     if estimate is None:
         raise _no_equilibrium(name)

@@ -14,12 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification import budgets, numerics
 from hypernode.identification.points import Points
-
-#: Newton steps for the jump at most, and the change of it that ends them: the next one would be about its square.
-STEPS, SMALL = 30, 1e-6
-#: Share of the way to where a side would have no area that a step goes at most.
-NEAREST = 0.8
 
 
 class Jumps(NamedTuple):
@@ -39,7 +35,7 @@ class Jumps(NamedTuple):
         """Jumps under another F to first order; none where a side would lose most of its area."""
         jump = self.jump + np.einsum("kiJn,iJn->kn", self.by_F, F - self.F)
         areas = [_area(side) for side in _sides(F, share, jump, normal)]
-        return np.where(np.minimum(*areas) > (1.0 - NEAREST) * _area(F), jump, 0.0)
+        return np.where(np.minimum(*areas) > (1.0 - numerics.LAMINATE_NEAREST) * _area(F), jump, 0.0)
 
 
 class LaminateStress(NamedTuple):
@@ -126,15 +122,17 @@ def _jump(points: Points, F, first, second, share, normal, begun) -> Float[np.nd
         begun: jump from which the first step goes.
     """
     jump, open_ = begun.copy(), np.arange(len(share))
-    for _ in range(STEPS):
+    for _ in range(budgets.LAMINATE_STEPS):
         c, N, a, mean = share[open_], normal[:, open_], jump[:, open_], F[..., open_]
         F_A, F_B = _sides(mean, c, a, N)
         (P_A, A), (P_B, B) = points.stress(F_A, first[:, open_]), points.stress(F_B, second[:, open_])
         change = -_solved(_across(c, A, B, N), np.einsum("iJn,Jn->in", P_A - P_B, N))
         # Areas change with the jump in proportion.
         falls = (np.stack([-(1.0 - c), c]) * _area_by_jump(mean, change, N)) / np.stack([_area(F_A), _area(F_B)])
-        jump[:, open_] = a + change * np.minimum(1.0, NEAREST / np.maximum(falls.max(axis=0), NEAREST))
-        open_ = open_[np.sqrt((change**2).sum(axis=0)) > SMALL]
+        jump[:, open_] = a + change * np.minimum(
+            1.0, numerics.LAMINATE_NEAREST / np.maximum(falls.max(axis=0), numerics.LAMINATE_NEAREST)
+        )
+        open_ = open_[np.sqrt((change**2).sum(axis=0)) > numerics.LAMINATE_TOLERANCE]
         if not len(open_):
             break
     return jump

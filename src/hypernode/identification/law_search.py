@@ -5,20 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.candidate import APART, EVIDENCE, Candidate
-from hypernode.identification.interface_numbers import OF_LAW
+from hypernode.identification import budgets, priors, thresholds
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.score_test import BELONGS, Joined, price, score_test
-from hypernode.identification.trials import NEAR, Trials
-from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS
+from hypernode.identification.trials import Trials
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
-#: Steps at most of lines that another law sends far from their place.
-FAR_STEPS = 20
-#: How many of the terms that may join are tried, those first that promise most.
-TERMS_TRIED = 2
-#: How often a term may join at most: as many as there are.
-MOST_TERMS = len(PARAMETERS)
 #: Terms that contain the thickness, which J leaves open.
 OF_THICKNESS = ("I2", "ogden")
 #: Parameter of fibres that says nothing where they have no strength.
@@ -44,20 +38,20 @@ class LawSearch:
         self._trials, self._steps, self._finds = trials, steps, finds_window
         self._settled = settled or self._lines_again
 
-    def end(self, kept: Candidate, most: int = MOST_TERMS) -> Candidate:
+    def end(self, kept: Candidate, most: int | None = None) -> Candidate:
         """Add terms one after the other as long as the score improves; the lines are fitted again.
 
         Of the terms that promise to improve it, the two that promise most are tried, and the better one is kept. The
         other one may be better still with a further term. That is tried too, where the further term promises it.
 
         Args:
-            most: how often terms may join.
+            most: how often terms may join; as many as there are if left out.
         """
-        for _ in range(most):
+        for _ in range(budgets.MOST_TERMS if most is None else most):
             if kept.leaves_nothing:
                 break
             # Near noise the linear model is exact.
-            begun = self._next(kept, 0.0 if kept.leaves_more_than_noise else EVIDENCE)
+            begun = self._next(kept, 0.0 if kept.leaves_more_than_noise else thresholds.EVIDENCE)
             tried = self._followed(begun)
             best = self._best(kept, tried)
             if best is kept:
@@ -76,7 +70,7 @@ class LawSearch:
         open_ = all(found.leaves_more_than_noise and not found.leaves_mostly_no_noise for found in tried)
         return [self._settled(found) for found in tried] if open_ and len(tried) > 1 else tried
 
-    def _next(self, start: Candidate, asked: float, most: int = TERMS_TRIED) -> list[Candidate]:
+    def _next(self, start: Candidate, asked: float, most: int | None = None) -> list[Candidate]:
         """Candidates with one term more, those first that promise most; none that promises no more than is asked."""
         terms = open_terms(start.terms, self._trials.settings)
         if not terms:
@@ -85,7 +79,10 @@ class LawSearch:
         promises = {term: _promise(score.joined(term), start) for term in terms}
         self._trials.promised(start, {term: gain for term, (gain, _) in promises.items()})
         promising = [term for term in sorted(terms, key=lambda term: -promises[term][0]) if promises[term][0] > asked]
-        tried = (self._with(start, term, promises[term][1]) for term in promising[:most])
+        tried = (
+            self._with(start, term, promises[term][1])
+            for term in promising[: budgets.TERMS_TRIED if most is None else most]
+        )
         return [found for found in tried if found is not None]
 
     def _best(self, kept: Candidate, tried: list[Candidate]) -> Candidate:
@@ -93,7 +90,7 @@ class LawSearch:
         best = kept
         for found in tried:
             gain = found.gain_over(best)
-            if gain > EVIDENCE:
+            if gain > thresholds.EVIDENCE:
                 self._trials.passed_over(best, f"scores {gain:+.1f} against the law with {found.terms[-1]}")
                 best = found
             else:
@@ -115,8 +112,8 @@ class LawSearch:
             if found is None:
                 break
             gain = found.gain_over(kept)
-            if gain <= -EVIDENCE or kept.halves(found):
-                why = f"scores {-gain:+.1f} against" if gain <= -EVIDENCE else "leaves twice the squares of"
+            if gain <= -thresholds.EVIDENCE or kept.halves(found):
+                why = f"scores {-gain:+.1f} against" if gain <= -thresholds.EVIDENCE else "leaves twice the squares of"
                 trials.passed_over(found, f"{why} the law with {term}")
                 break
             trials.passed_over(kept, f"scores {gain:+.1f} against the law without {term}")
@@ -138,7 +135,7 @@ class LawSearch:
             values, covariance = fit.field.materials.ravel()[own], fit.covariance[np.ix_(own, own)]
             squared[term] = values @ np.linalg.solve(covariance, values)
         least = min(squared, key=squared.get, default=None)
-        return least if least and squared[least] < APART**2 else None
+        return least if least and squared[least] < thresholds.APART**2 else None
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""
@@ -150,7 +147,7 @@ class LawSearch:
         field = kept.fit.field.with_law(translated(kept.fit.field.materials, kept.problem, problem))
         finds, u = self._finds and move_lines, kept.u
         return self._trials.descend(
-            move, kept, problem, field, u, self._steps, NEAR, window, finds, move_lines=move_lines
+            move, kept, problem, field, u, self._steps, budgets.NEAR, window, finds, move_lines=move_lines
         )
 
     def _lines_again(self, kept: Candidate) -> Candidate:
@@ -158,7 +155,7 @@ class LawSearch:
         if kept.fit.field.count == 1:
             return kept
         u, window, near = kept.u, kept.fit.window, not kept.leaves_mostly_no_noise
-        move, most = f"lines with {kept.terms[-1]}", NEAR if near else FAR_STEPS
+        move, most = f"lines with {kept.terms[-1]}", budgets.NEAR if near else budgets.DISPLACED_LINES
         found = self._trials.descend(
             move, kept, kept.problem, kept.fit.field, u, self._steps, most, window, self._finds, settled=near
         )
@@ -170,7 +167,7 @@ class LawSearch:
         begun = turned(translated(kept.fit.field.materials, kept.problem, problem), problem, term)[direction]
         field = kept.fit.field.with_law(begun)
         return self._trials.descend(
-            f"with {term}", kept, problem, field, kept.u, self._steps, NEAR, window, move_lines=False
+            f"with {term}", kept, problem, field, kept.u, self._steps, budgets.NEAR, window, move_lines=False
         )
 
 
@@ -195,7 +192,7 @@ def _promise(joined: list[Joined], kept: Candidate) -> tuple[float, int]:
     """(by how much a term promises to improve the score, number of the direction from which fibres go)."""
     promised = []
     for number, each in enumerate(joined):
-        x, gain = each.least(OF_LAW)
+        x, gain = each.least(priors.LAW_HELD)
         cost = price(kept, len(each.new), np.count_nonzero(x))
         stronger = int(np.argmax(x.reshape(kept.fit.field.count, -1).sum(axis=0)))
         promised.append((gain - cost, (number + stronger) % len(joined)))

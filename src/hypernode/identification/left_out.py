@@ -22,10 +22,8 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from hypernode.fem.gradient import deformation_gradient
+from hypernode.identification import budgets, numerics
 from hypernode.identification.estimate import Estimate
-
-#: Vectors of random signs: they count ten directions to a tenth.
-SIGNS = 16
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,9 +87,9 @@ def predict_left_out(found: Estimate) -> LeftOut | None:
     change = _followed(found, left, columns)
     error = white + change[:, 0]
     # What the displacements of these steps change, and random signs for how much they tell (Hutchinson's trace).
-    columns = np.zeros((len(white), 1 + SIGNS))
+    columns = np.zeros((len(white), 1 + budgets.SIGNS))
     columns[observed, 0] = error[observed]
-    columns[observed, 1:] = np.random.default_rng(0).choice([-1.0, 1.0], (len(observed), SIGNS))
+    columns[observed, 1:] = np.random.default_rng(0).choice([-1.0, 1.0], (len(observed), budgets.SIGNS))
     told = _followed(found, resultants, columns)[observed]
     directions = max(float(np.mean(np.sum(columns[observed, 1:] * told[:, 1:], axis=0))), 1.0)
     squared = float((error[observed] - told[:, 0]) @ told[:, 0])
@@ -115,7 +113,7 @@ def predict_left_out(found: Estimate) -> LeftOut | None:
 
 def _followed(found: Estimate, rows, columns):
     """How residuals answer where some of them pull at the field that all but these rows tell (residual, column)."""
-    linear, strategy = found.linear, found.problem.strategy
+    linear = found.linear
 
     def curvature(change):
         predicted = linear.product(change)
@@ -123,7 +121,7 @@ def _followed(found: Estimate, rows, columns):
         return linear.adjoint(predicted)
 
     pulled = linear.adjoint(columns)
-    accuracy = strategy.trace_tolerance, strategy.sample_iterations
+    accuracy = numerics.TRACE_TOLERANCE, budgets.SAMPLE_ITERATIONS
     return linear.product(found.answers(curvature).solve_columns(pulled, *accuracy))
 
 

@@ -15,9 +15,10 @@ import scipy.sparse
 import scipy.special
 from jaxtyping import Bool, Float
 
+from hypernode.identification import thresholds
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.observations import Observations
-from hypernode.identification.window_error import NEVER, changed_by_window
+from hypernode.identification.window_error import changed_by_window
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     Correlated errors count as fewer independent ones, by the square of the scatter.
     """
     problem = found.problem
-    observations, strategy = problem.observations, problem.strategy
+    observations = problem.observations
     if not observations.by_places:
         return None
     residuals, forces = found.objective.residuals(found.states, problem.sigma, found.linear)
@@ -65,7 +66,7 @@ def local_misfit(found: Estimate) -> LocalMisfit | None:
     mean = np.divide(squares, count, out=np.full(len(count), np.nan), where=known)
     # Means around cells that share no node are independent: as many as there are nodes for each.
     places = max(nodes / np.median(np.diff(around.indptr)), 1.0)
-    alone = scipy.special.ndtr(-strategy.never_by_chance) / places
+    alone = scipy.special.ndtr(-thresholds.BY_CHANCE) / places
     share = observations.scatter**2
     independent = np.maximum(count * share, 1.0)
     limit = scipy.special.chdtri(independent, alone) / independent
@@ -82,7 +83,9 @@ def beyond_edges(observations: Observations) -> list[scipy.sparse.csr_matrix]:
     between = scipy.sparse.kron(refinement.interpolation, scipy.sparse.identity(2), format="csr")
     found = []
     for most, boundary in zip(changed, observations.boundaries, strict=True):
-        size = np.where(boundary.mask[refinement.nodes] & (most > NEVER * observations.sigma), most, 0.0).ravel()
+        size = np.where(
+            boundary.mask[refinement.nodes] & (most > thresholds.BY_CHANCE * observations.sigma), most, 0.0
+        ).ravel()
         off = np.flatnonzero(size)
         of_points = scipy.sparse.csr_matrix((size[off], (off, np.arange(len(off)))), (len(size), len(off)))
         found.append(between @ of_points)

@@ -6,9 +6,10 @@ they are one, and a small one of them has parameters that nothing determines.
 
 import numpy as np
 
-from hypernode.identification.candidate import APART, EVIDENCE, Candidate
+from hypernode.identification import budgets, thresholds
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.trials import FAR, Trials
+from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 
 
@@ -24,8 +25,10 @@ def merged(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool
         field, window = _without_least_known(kept), kept.fit.window
         if field is None:
             break
-        found = trials.descend(move, kept, kept.problem, field, kept.u, steps, FAR, window, finds_window, settled=False)
-        if found is None or kept.gain_over(found) > EVIDENCE:
+        found = trials.descend(
+            move, kept, kept.problem, field, kept.u, steps, budgets.FAR, window, finds_window, settled=False
+        )
+        if found is None or kept.gain_over(found) > thresholds.EVIDENCE:
             if found is not None:
                 trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against two")
             break
@@ -50,7 +53,7 @@ def _without_least_known(kept: Candidate) -> Interfaces | None:
             apart = [field.materials[i] - sign * field.materials[j] for sign in (1.0, turned)]
             found.append((min(float(each @ np.linalg.solve(covariance, each)) for each in apart), i, j))
     squared, i, j = min(found)
-    if squared > APART**2:
+    if squared > thresholds.APART**2:
         return None
     merged = field.merged(i, j)
     known = min((i, j), key=lambda k: float(np.trace(blocks[k, k])))

@@ -11,22 +11,15 @@ import scipy.sparse
 from jaxtyping import Float, Int
 
 from hypernode.fem.contour import ContourLines
+from hypernode.identification import priors
 from hypernode.identification.coats import Cut, Cuts, layers_of
 from hypernode.identification.contours import (
-    SIDE,
     Options,
     at_contours,
     options_at_contours,
 )
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.sheet import CellMaterials
-
-#: Shares of the changes that are tried, those first that promise most: a model of large changes is as wrong.
-SHARES = (1.0, 0.5, 0.25, 0.1)
-#: How many of these changes are tried alone.
-ALONE = 3
-#: Changes up to which all are asked, whatever they promise: of 50 x 50 cells.
-ALL = 800
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -56,7 +49,7 @@ class Mosaic(Interfaces):
             return self.code + self._change * int((self.of_cells != self.given).sum())
         sides, _, _ = mesh.neighbours()
         apart = int((self.of_cells[sides[:, 0]] != self.of_cells[sides[:, 1]]).sum())
-        return SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
+        return priors.CONTOUR_SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
 
     @property
     def _change(self) -> float:

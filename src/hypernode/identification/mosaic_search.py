@@ -6,22 +6,19 @@ from collections.abc import Callable
 import numpy as np
 
 from hypernode.fem.transfer import transfer
+from hypernode.identification import budgets, thresholds
 from hypernode.identification.beside import Beside
-from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
-from hypernode.identification.law_search import MOST_TERMS, LawSearch
+from hypernode.identification.candidate import Candidate
+from hypernode.identification.law_search import LawSearch
 from hypernode.identification.mosaic import Mosaic
-from hypernode.identification.parting import MOST
-from hypernode.identification.topological_derivative import ROUNDS, with_other_cells
-from hypernode.identification.trials import FAR, Trials
+from hypernode.identification.topological_derivative import with_other_cells
+from hypernode.identification.trials import Trials
 from hypernode.verdict import Ending
 
 #: From how many materials there are to whole cells of them on a coarser grid.
 Contours = Callable[[int], Candidate | None]
 #: Name of the move that goes on with a descent.
 MORE = "the same, more steps"
-#: Ratio of what whole cells leave to what the lines around them leave, up to which single cells may be wrong. Under
-#: noise the few that a line misplaces hardly show.
-NEARLY = 1.2
 
 
 class MosaicSearch:
@@ -45,19 +42,19 @@ class MosaicSearch:
         trials, known, kept = self._trials, beside.known, None
         if beside.found is None:
             return None
-        for count in range(known.count + (known.count == 1), MOST + 1):
+        for count in range(known.count + (known.count == 1), budgets.MOST_MATERIALS + 1):
             if len(beside.parts(count)[1]) < count:
                 break
             found = self._of_count(begun, beside, count, coarser)
             if found is None:
                 continue
-            if found.fit.misfit > NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
+            if found.fit.misfit > thresholds.NOT_MADE_OF_FEW * max(beside.found.misfit, 1.0):
                 trials.passed_over(found, "leaves far more than a factor in every cell")
                 continue
             found = self._lawful(found) if coarser is None else self._lawful(self._plainer(self._settled(found)))
             if kept is not None:
                 gain = found.gain_over(kept)
-                better, worse = (found, kept) if gain > EVIDENCE else (kept, found)
+                better, worse = (found, kept) if gain > thresholds.EVIDENCE else (kept, found)
                 trials.passed_over(worse, f"scores {abs(gain):+.1f} against {better.fit.field.count} materials")
                 if better is kept:
                     break
@@ -93,9 +90,9 @@ class MosaicSearch:
             u = {step: to_mesh @ each for step, each in known.u.items()}
         field = Mosaic.of(lines, materials, labels[transfer(grid, lines.grid.mesh).cells])
         move = f"cells of {count} materials"
-        return self._trials.descend(move, begun, problem, field, u, self._steps, FAR, begun.fit.window)
+        return self._trials.descend(move, begun, problem, field, u, self._steps, budgets.FAR, begun.fit.window)
 
-    def _lawful(self, kept: Candidate, most: int = MOST_TERMS) -> Candidate:
+    def _lawful(self, kept: Candidate, most: int | None = None) -> Candidate:
         """The same with the terms of the law that pay. Contours settle with every term that joins."""
         found = LawSearch(self._trials, self._steps, False, self._settled).end(kept, most)
         return self._settled(kept) if found is kept else found
@@ -117,8 +114,10 @@ class MosaicSearch:
         field = told if told is before else dataclasses.replace(told, given=told.of_cells, code=code)
         if len(np.unique(field.of_cells)) < field.count:
             return None
-        found = self._trials.descend(because, kept, kept.problem, field, kept.u, self._steps, FAR, kept.fit.window)
-        far = NEARLY if kept.problem.noisy else NOT_MADE_OF_FEW
+        found = self._trials.descend(
+            because, kept, kept.problem, field, kept.u, self._steps, budgets.FAR, kept.fit.window
+        )
+        far = thresholds.NEARLY if kept.problem.noisy else thresholds.NOT_MADE_OF_FEW
         if found is None or found.level > far * max(kept.level, 1.0):
             return found
         return self._settled(found)
@@ -148,7 +147,7 @@ class MosaicSearch:
 
         What is left of displacements that is no more than the solver leaves says nothing of cells.
         """
-        for _ in range(ROUNDS):
+        for _ in range(budgets.OTHER_CELLS_ROUNDS):
             kept = with_other_cells(self._trials, kept, self._steps, False)
             if (more := self._further(kept)) is None:
                 break
@@ -160,7 +159,7 @@ class MosaicSearch:
         if kept.fit.ending is not Ending.OUT_OF_ITERATIONS:
             return None
         u, window = kept.u, kept.fit.window
-        found = self._trials.descend(MORE, kept, kept.problem, kept.fit.field, u, self._steps, FAR, window)
+        found = self._trials.descend(MORE, kept, kept.problem, kept.fit.field, u, self._steps, budgets.FAR, window)
         if found is None or found.gain_over(kept) <= 0.0:
             return None
         self._trials.passed_over(kept, "ended early")

@@ -4,7 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification import budgets, numerics, thresholds
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.merging import merged
@@ -13,13 +14,8 @@ from hypernode.identification.parting import Parting
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.topological_derivative import with_other_cells
-from hypernode.identification.trials import FAR, FINER, NEAR, Trials, homogeneous_displacement
+from hypernode.identification.trials import Trials, homogeneous_displacement
 from hypernode.identification.volume import of_likelier_volume
-
-#: Side of a window, in points, below which it changes less than points apart do, and is none.
-NO_WINDOW = 0.5
-#: Distance between points of a line, in sides of cells, where more than noise is left.
-CLOSER = 0.5
 
 
 class Moves:
@@ -38,7 +34,7 @@ class Moves:
         """The homogeneous sheet; None without equilibrium."""
         lines, u = Lines.of(problem.observations.grid, problem.refinement), homogeneous_displacement(problem)
         field = Interfaces.homogeneous(lines, problem.homogeneous.params)
-        return self.trials.descend("one material", None, problem, field, u, self.steps, NEAR)
+        return self.trials.descend("one material", None, problem, field, u, self.steps, budgets.NEAR)
 
     def with_law(self, kept: Candidate) -> Candidate:
         """The same with the terms of the law that pay."""
@@ -52,8 +48,8 @@ class Moves:
             return kept
         turning = dataclasses.replace(field, turn=np.zeros(field.materials.shape[1] - 1))
         move = "a law that changes with the stiffness"
-        found = self.trials.descend(move, kept, kept.problem, turning, kept.u, self.steps, FAR)
-        if found is None or found.gain_over(kept) <= EVIDENCE:
+        found = self.trials.descend(move, kept, kept.problem, turning, kept.u, self.steps, budgets.FAR)
+        if found is None or found.gain_over(kept) <= thresholds.EVIDENCE:
             if found is not None:
                 self.trials.passed_over(found, f"scores {kept.gain_over(found):+.1f} against one law")
             return kept
@@ -86,17 +82,17 @@ class Moves:
         if not of_lines and not coarse.leaves_more_than_noise:
             return coarse
         if of_lines:
-            self.finds_window = self.finds_window and window > NO_WINDOW
+            self.finds_window = self.finds_window and window > thresholds.NO_WINDOW
         finds = self.finds_window and of_lines
         begun, window = trials.on_finer_elements(coarse), window if finds else None
-        found = trials.descend("finer elements", coarse, *begun, self.steps, NEAR, window, finds)
+        found = trials.descend("finer elements", coarse, *begun, self.steps, budgets.NEAR, window, finds)
         if found is None:
             return coarse
         if of_lines and found.misses_deformation:
-            closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=CLOSER))
+            closer = found.fit.field.on(dataclasses.replace(found.fit.field.lines, apart=numerics.CLOSER_POINTS))
             begun, window = (found.problem, closer, found.u), found.fit.window
             move = "closer points of lines"
-            found = trials.descend(move, found, *begun, self.steps, NEAR, window, finds) or found
+            found = trials.descend(move, found, *begun, self.steps, budgets.NEAR, window, finds) or found
         return found
 
     def finer_and_plainer(self, kept: Candidate) -> tuple[Candidate, Candidate]:
@@ -129,7 +125,7 @@ class Moves:
             return None
         finer = self.lawful(self.finer(kept))
         finer = of_likelier_volume(self.trials, finer, self.steps, self.finds_window).kept
-        if not finer.leaves_more_than_noise or finer.level <= missed / FINER:
+        if not finer.leaves_more_than_noise or finer.level <= missed / numerics.FINER:
             law = LawSearch(self.trials, self.steps, self.finds_window)
             return law.with_law_of(kept, finer) or kept, finer
         self.trials.passed_over(finer, "leaves more than noise and elements do; coarse elements are asked first")
@@ -172,7 +168,7 @@ class Moves:
         if field.count > 1:
             return None
         plain = Interfaces.homogeneous(Lines.of(problem.observations.grid, problem.refinement), field.materials[0])
-        without = trials.descend("without the change", gradual, problem, plain, gradual.u, self.steps, NEAR)
+        without = trials.descend("without the change", gradual, problem, plain, gradual.u, self.steps, budgets.NEAR)
         if without is not None:
             trials.passed_over(without, f"scores {gradual.gain_over(without):+.1f} against a gradual change")
         # Where the change explains most of what its law alone leaves, no other law is sought.
@@ -180,8 +176,8 @@ class Moves:
             return None
         alone = self.of_one(self.finer(one))
         gain = alone.gain_over(gradual)
-        if gain > -EVIDENCE or not alone.leaves_more_than_noise:
-            why = f"scores {gain:+.1f} against" if gain > -EVIDENCE else "is not needed beside"
+        if gain > -thresholds.EVIDENCE or not alone.leaves_more_than_noise:
+            why = f"scores {gain:+.1f} against" if gain > -thresholds.EVIDENCE else "is not needed beside"
             trials.passed_over(gradual, f"{why} one material on finer elements")
             return alone
         trials.passed_over(alone, f"scores {-gain:+.1f} against a gradual change")

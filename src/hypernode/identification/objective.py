@@ -8,11 +8,11 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
+from hypernode.identification import budgets, numerics
 from hypernode.identification.deflated_cg import DeflatedCG, Solution
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser
 from hypernode.identification.sensitivities import Jacobian
-from hypernode.identification.settings import STRATEGY, Strategy
 
 
 class Step(NamedTuple):
@@ -65,7 +65,6 @@ class Objective:
     jump_cost: JumpCost
     ridge: Float[np.ndarray, " parameter"]
     centre: Float[np.ndarray, " parameter"]
-    strategy: Strategy = STRATEGY
 
     def residuals(self, states, sigma: float, linear: Jacobian | None) -> tuple[np.ndarray, np.ndarray]:
         """(displacements, forces): misfits over their uncertainties, free of what errors of edges explain."""
@@ -104,7 +103,6 @@ class Objective:
             explained: whether the displacements are already explained, so that the step may be looser.
             deflation: what the step before left, or None.
         """
-        strategy = self.strategy
         R, r, B = self._jump_roots(params)
         gradient = self.misfit_gradient(states, linear)
         gradient += block_diagonal(B).T @ (R.T @ r) + self.ridge * (params.ravel() - self.centre)
@@ -114,10 +112,9 @@ class Objective:
             B=B,
             ridge=self.ridge + damping,
             deflation=deflation,
-            strategy=strategy,
         )
-        iterations = strategy.cg_iterations[int(self.jump_cost.scale is not None)]
-        solution = system.solve(-gradient, strategy.cg_tolerance[int(explained)], iterations)
+        iterations = budgets.CG_ITERATIONS[int(self.jump_cost.scale is not None)]
+        solution = system.solve(-gradient, numerics.CG_TOLERANCE[int(explained)], iterations)
         change = system.to_params(solution.x)
         norm = float(np.linalg.norm(gradient))
         return Step(change, norm, solution.residual, solution.iterations, solution.deflation)
@@ -131,9 +128,7 @@ class Objective:
             deflation: what a solve of a similar system left, or None.
         """
         R, _, B = self._jump_roots(params)
-        return NormalEquations(
-            curvature=curvature, R=R, B=B, ridge=self.ridge, deflation=deflation, strategy=self.strategy
-        )
+        return NormalEquations(curvature=curvature, R=R, B=B, ridge=self.ridge, deflation=deflation)
 
     def posterior_samples(
         self, linear: Jacobian, params, count: int, seed: int, deflation=None
@@ -143,7 +138,6 @@ class Objective:
         They are drawn from the Gaussian with the curvature of the objective. Each solves the linear system for randomly
         perturbed data, jumps and ridge (Papandreou and Yuille 2010).
         """
-        strategy = self.strategy
         R, _, B = self._jump_roots(params)
         system = self.precision(linear.curvature, params, deflation)
         random, fields = np.random.default_rng(seed), []
@@ -151,7 +145,7 @@ class Objective:
             disturbed = linear.adjoint(random.normal(size=linear.shape[0]))
             disturbed += block_diagonal(B).T @ (R.T @ random.normal(size=R.shape[0]))
             disturbed += np.sqrt(self.ridge) * random.normal(size=params.size)
-            solution = system.solve(disturbed, strategy.sample_tolerance, strategy.sample_iterations, learn=False)
+            solution = system.solve(disturbed, numerics.SAMPLE_TOLERANCE, budgets.SAMPLE_ITERATIONS, learn=False)
             fields.append(params + system.to_params(solution.x).reshape(params.shape))
         return np.array(fields)
 
@@ -168,11 +162,10 @@ class Objective:
             params: the field (cell, parameter).
             deflation: what a solve of a similar system left, or None.
         """
-        strategy = self.strategy
         signs = np.random.default_rng(0).choice([-1.0, 1.0], linear.shape[0])
         load = linear.adjoint(signs)
         system = self.precision(linear.curvature, params, deflation)
-        solved = system.solve(load, strategy.trace_tolerance, strategy.sample_iterations, learn=False)
+        solved = system.solve(load, numerics.TRACE_TOLERANCE, budgets.SAMPLE_ITERATIONS, learn=False)
         return float(load @ system.to_params(solved.x))
 
     def _jump_roots(self, params):
@@ -209,7 +202,6 @@ class NormalEquations:
         B: Float[np.ndarray, "cell coordinate parameter"],
         ridge,
         deflation,
-        strategy: Strategy,
     ):
         inverse = np.linalg.inv(B)
         # Of no function here is this object a part: a circle of references would keep all of a linearisation in memory
@@ -228,12 +220,12 @@ class NormalEquations:
 
         # The mean curvature of the data by coordinate: the diagonal of J^T J from products with random signs
         # (Hutchinson's estimate).
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], strategy.curvature_probes))
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (jumps.shape[0], budgets.CURVATURE_PROBES))
         estimate = (signs * data(signs)).mean(axis=1).reshape(B.shape[:2])
-        typical = strategy.curvature_share * np.maximum(estimate.mean(axis=0), 0.0)
+        typical = numerics.CURVATURE_SHARE * np.maximum(estimate.mean(axis=0), 0.0)
         held = np.einsum("cp,cpq->cq", ridge.reshape(B.shape[:2]), inverse**2)
         metric = jumps + scipy.sparse.diags((held + typical).ravel())
-        self._solver = DeflatedCG(product, metric, strategy.deflated_directions, deflation)
+        self._solver = DeflatedCG(product, metric, budgets.DEFLATED_DIRECTIONS, deflation)
 
     def solve(self, b, rtol: float, iterations: int, learn: bool = True) -> Solution:
         """The coordinates y to the relative residual ``rtol``, or as near as ``iterations`` come."""

@@ -27,9 +27,9 @@ from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGES, Mesh
 from hypernode.fem.refinement import Refinement, refine
 from hypernode.fem.transfer import transfer
-from hypernode.identification.boundary import ROUNDING, Boundary, boundary_of
+from hypernode.identification import numerics, priors, thresholds
+from hypernode.identification.boundary import Boundary, boundary_of
 from hypernode.identification.camera import window_average
-from hypernode.identification.settings import Strategy
 from hypernode.identification.window_error import (
     blurred_edges,
     window_errors,
@@ -109,9 +109,20 @@ class Observations:
         return replace(self, loading=self.loading.of_steps(steps), boundaries=boundaries, **of_points)
 
 
-def observe(
-    measurement, subcells: int, strategy: Strategy, floor: float | None = None, at_lines: bool = False
-) -> Observations:
+def description_error(own_grid: bool, subcells: int, cells: int) -> float:
+    """What finite elements miss of displacements, over the largest of them.
+
+    Args:
+        own_grid: whether the displacements were computed on the measured grid.
+        subcells: rows and columns into which a cell is divided.
+        cells: how many there are.
+    """
+    if own_grid:
+        return priors.SAME_GRID_FLOOR
+    return (priors.SUBCELLS_FLOOR if subcells > 1 else priors.CUT_CELLS_FLOOR) / cells**0.5
+
+
+def observe(measurement, subcells: int, floor: float | None = None, at_lines: bool = False) -> Observations:
     """The observations of an opened measurement.
 
     Of a grid that is cut out of a larger sheet, the measured displacement prescribes the outline all round.
@@ -127,19 +138,19 @@ def observe(
     believed_noise = BelievedNoise.read(measurement.attrs)
     told, cut = own_grid or floor is not None, is_cut_out(measurement)
     if floor is None:
-        floor = strategy.description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
+        floor = description_error(own_grid, subcells, len(grid.cells)) * np.abs(u).max()
     prescribed = (measurement["edge_constrained"].values > 0) | cut
     seen = seen_points(refinement, *correlation_window(measurement))
     levels, spread = noise_of_steps(measurement), scatter_of_steps(measurement)
     # Of undivided cells that interfaces cut the error is known to a factor alone. Pictures show it, and divided cells.
-    noisy = bool(noise >= floor * (1.0 if told or subcells > 1 or information is not None else strategy.noise_rules))
+    noisy = bool(noise >= floor * (1.0 if told or subcells > 1 or information is not None else thresholds.NOISE_RULES))
     # What finite elements make of cut cells is no noise, and counts beside it only where it is told.
     beside = floor if told or not noisy else 0.0
     sigma = float(np.hypot(noise, beside))
     error, weighed = window_errors(measurement, grid, u, not believed_noise.shared_by_none)
     if at_lines:
         error, weighed = with_errors_of_elements(error, weighed, grid, u, beside)
-        beside = strategy.same_grid_floor * np.abs(u).max()
+        beside = priors.SAME_GRID_FLOOR * np.abs(u).max()
     believed = np.hypot(np.hypot(levels, beside)[:, None], weighed)
     # Neighbouring nodes of a mesh are wrong in opposite directions: along an edge they scatter by more than they weigh.
     noise_of_edges, blurred = levels if information is None else spread, blurred_edges(measurement, grid, u, levels)
@@ -215,7 +226,7 @@ def _by_grey_levels(
     changed = []
     for step, boundary in enumerate(boundaries):
         on = [grid.on_edge(edge) for edge, held in zip(EDGES, prescribed[step], strict=True) if held.any()]
-        told = of_grid @ np.any([np.zeros(len(grid.nodes), bool), *on], axis=0) > ROUNDING
+        told = of_grid @ np.any([np.zeros(len(grid.nodes), bool), *on], axis=0) > numerics.ROUNDING
         root, seen, observed = information.root(step, ~told[information.mesh.cells].any(axis=1))
         changed.append(
             replace(boundary, observed=observed, observe=unit * (root @ onto), seen=unit * seen, relative=np.empty(0))

@@ -12,10 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained
+from hypernode.identification import budgets, priors, thresholds
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interface_numbers import OF_LAW, numbers_of
+from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import OF_THICKNESS, open_terms, translated
 from hypernode.identification.problem import FieldProblem, with_law
@@ -24,12 +25,6 @@ from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.trials import largest_and_half, largest_steps
 from hypernode.mechanics.convex_basis import ConvexBasis
 
-#: Logarithm of the likelihood that such a law may lack and still be no worse: two standard deviations of one number.
-AS_WELL = 2.0
-#: How often samples may be brought nearer by half.
-HALVED = 5
-#: Steps of materials of another volume: they begin near the kept ones.
-STEPS = 5
 #: Where an area begins: near one that keeps the volume, c3 = 0.1 and c4 = 0.9.
 AREA = {"log1p_J_area": float(np.log1p(0.1)), "log1p_J_volume": float(np.log1p(0.9))}
 
@@ -90,16 +85,16 @@ def _volume_refuted(found: InterfaceEstimate) -> bool:
             against = against.start
         own = 1.0 if against is None else max(against.misfits["displacement"], 1.0)
         lacks.append(found.left.independent * np.log(trial.misfits["displacement"] / own))
-    return bool(lacks and min(lacks) > AS_WELL)
+    return bool(lacks and min(lacks) > thresholds.AS_WELL)
 
 
 def _of_term(kept: Candidate, score: ScoreTest, compared: "_Compared", term: str, count: int, random) -> OpenLaw:
     """A law that contains the kept one, fibres in all directions."""
     joined, fields, gains = score.joined(term), [], []
     for first, each in enumerate(joined):
-        gains.append(each.least(OF_LAW)[1])
+        gains.append(each.least(priors.LAW_HELD)[1])
         size = len(each.slope)
-        drawn = [each.least(OF_LAW, random.normal(size=size))[0] for _ in range(first, count, len(joined))]
+        drawn = [each.least(priors.LAW_HELD, random.normal(size=size))[0] for _ in range(first, count, len(joined))]
         changes = [each.by_chance(random.normal(size=len(each.free))) for _ in drawn]
 
         def at(n, near, each=each, drawn=drawn, changes=changes):
@@ -120,8 +115,8 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     steps = largest_and_half(problem)
     compared = _Compared(problem, kept, steps)
     test = SeenTest(problem, steps, kept.fit.window)
-    fit = InterfaceFit(test, move_lines=False).descend(begun, [kept.u[k] for k in steps], STEPS)
-    if fit is None or (gain := compared.own - compared.cost(fit.field)) < -AS_WELL:
+    fit = InterfaceFit(test, move_lines=False).descend(begun, [kept.u[k] for k in steps], budgets.OTHER_VOLUME_STEPS)
+    if fit is None or (gain := compared.own - compared.cost(fit.field)) < -thresholds.AS_WELL:
         return None
     numbers = numbers_of(problem, fit.field, fit.field.still, None)
     loads = test.loads(fit.field, fit.states, numbers.moves)
@@ -168,8 +163,8 @@ class _Compared:
             sizes: of the draws.
             numbers: how many numbers were drawn.
         """
-        allowed, largest = self.own + 0.5 * numbers + AS_WELL, int(np.argmax(sizes))
-        nearer = (0.5**halved for halved in range(HALVED))
+        allowed, largest = self.own + 0.5 * numbers + thresholds.AS_WELL, int(np.argmax(sizes))
+        nearer = (0.5**halved for halved in range(budgets.HALVED))
         near = next((each for each in nearer if self.cost(at(largest, each)) <= allowed), 0.0)
         most = near * sizes[largest]
         return [at(n, 1.0 if size <= most else most / size) for n, size in enumerate(sizes)]

@@ -7,8 +7,9 @@ explains more of the test than its numbers cost. One material that changes gradu
 
 import numpy as np
 
+from hypernode.identification import budgets, priors, thresholds
 from hypernode.identification.beside import Beside
-from hypernode.identification.candidate import EVIDENCE, Candidate
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import turned
 from hypernode.identification.merging import merged
@@ -16,16 +17,9 @@ from hypernode.identification.problem import FieldProblem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.stiffness import ByCell, CellDescent
 from hypernode.identification.trend import trend
-from hypernode.identification.trials import FAR, NEAR, Trials
+from hypernode.identification.trials import Trials
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import say
-
-#: Materials at most.
-MOST = 4
-#: Side of a window that nobody stated, in points, where its search begins: subsets overlap by half.
-WINDOW = 1.5
-#: What one material leaves of a load step, over noise, from which the step tells where materials are.
-FAR_FROM_NOISE = 5.0
 
 
 class Parting:
@@ -90,9 +84,9 @@ class Parting:
         for largest in self._largest(problem):
             own = np.flatnonzero(loading.load_case == loading.load_case[largest])
             for step in own[np.argsort(loading.t[own], kind="stable")]:
-                test = SeenTest(problem, [int(step)], WINDOW if self.finds_window else None)
+                test = SeenTest(problem, [int(step)], priors.FIRST_WINDOW if self.finds_window else None)
                 states = test.states(one.fit.field, [one.u[int(step)]])
-                if step == largest or (states is not None and test.left(states) > FAR_FROM_NOISE):
+                if step == largest or (states is not None and test.left(states) > thresholds.FAR_FROM_NOISE):
                     found.append(int(step))
                     break
         return found
@@ -125,19 +119,19 @@ class Parting:
         left = "no equilibrium" if beside.found is None else f"missed by {beside.found.misfit:.3g}"
         say("constrained", self.trials.name, f"{words} in {where}: {left}")
 
-    def parted(self, begun: Candidate, beside: Beside | None = None, most: int = MOST) -> Candidate | None:
+    def parted(self, begun: Candidate, beside: Beside | None = None, most: int | None = None) -> Candidate | None:
         """As many materials, or more, as explain more than they cost; None without equilibrium.
 
         Args:
             begun: with a law.
             beside: of :meth:`beside`, where that is known.
-            most: materials at most.
+            most: materials at most, other than usual.
         """
         first = begun.fit.field.count == 1
         beside = beside or self.in_cells(self.beside(begun))
         if beside.found is None:
             return None if first else begun
-        kept = self._of_more(begun, beside, most)
+        kept = self._of_more(begun, beside, budgets.MOST_MATERIALS if most is None else most)
         if first:
             kept = self._gradual(begun, beside, kept)
         return kept if len(kept.fit.field.gradual) else merged(self.trials, kept, self.steps, self.finds_window)
@@ -176,7 +170,7 @@ class Parting:
         few independent numbers. So it may halve the squares instead of scoring better.
         """
         gain = found.gain_over(kept)
-        if gain > EVIDENCE:
+        if gain > thresholds.EVIDENCE:
             return f"scores {gain:+.1f} against"
         halves = (self._small or kept.fit.field.count > 1) and found.halves(kept)
         return "leaves twice the squares of" if halves else ""
@@ -187,9 +181,11 @@ class Parting:
         if len(materials) < count:
             return None
         field = Interfaces.around(beside.known.lines, materials, labels)
-        window = WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
+        window = priors.FIRST_WINDOW if self.finds_window and begun.fit.field.count == 1 else begun.fit.window
         finds, u, steps, move = self.finds_window, beside.reached, self.steps, f"{count} materials and lines"
-        return self.trials.descend(move, begun, beside.problem, field, u, steps, FAR, window, finds, settled=False)
+        return self.trials.descend(
+            move, begun, beside.problem, field, u, steps, budgets.FAR, window, finds, settled=False
+        )
 
     def _gradual(self, begun: Candidate, beside: Beside, kept: Candidate) -> Candidate:
         """One material that changes gradually, where few materials explain the test no better."""
@@ -198,12 +194,14 @@ class Parting:
             # Fibres are those of most cells.
             _, materials = beside.parts(1)
             known, factor = known.with_law(materials), factor - np.mean(factor)
-            begun = trials.descend("one material with fibres", begun, beside.problem, known, u, self.steps, NEAR)
+            begun = trials.descend(
+                "one material with fibres", begun, beside.problem, known, u, self.steps, budgets.NEAR
+            )
         best = begun and trend(trials, begun, known, factor, u, self.steps, False, kept)
         if best is None:
             return kept
         self.gradual, gain = best, best.gain_over(kept)
-        if gain > -EVIDENCE:
+        if gain > -thresholds.EVIDENCE:
             trials.passed_over(kept, f"scores {gain:+.1f} against one material that changes gradually")
             return best
         trials.passed_over(best, f"scores {-gain:+.1f} against {kept.fit.field.count} materials")

@@ -6,14 +6,8 @@ import scipy.sparse.csgraph
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
+from hypernode.identification import budgets, thresholds
 from hypernode.identification.interfaces import Interfaces
-
-#: Values that stand for all when levels are sought: their quantiles.
-QUANTILES = 600
-#: How often medians of several numbers are taken.
-MEDIANS = 30
-#: Parts of fewer touching cells are none: a line around less cannot be told from noise.
-FEWEST_CELLS = 3
 
 
 def centres(values: Float[np.ndarray, "cell number"], count: int) -> Float[np.ndarray, "centre number"]:
@@ -27,7 +21,7 @@ def centres(values: Float[np.ndarray, "cell number"], count: int) -> Float[np.nd
     for axis in np.linalg.svd(values - values.mean(axis=0), full_matrices=False)[2]:
         along = values @ axis
         nearest = np.abs(along[:, None] - levels(along, count)).argmin(axis=1)
-        for _ in range(MEDIANS):
+        for _ in range(budgets.MEDIANS):
             found = np.array([np.median(values[nearest == k], axis=0) for k in np.unique(nearest)])
             distance = np.linalg.norm(values[:, None] - found, axis=2)
             before, nearest = nearest, distance.argmin(axis=1)
@@ -45,7 +39,7 @@ def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, 
     Distances stand in the place of their squares, which a blurred interface between far levels would rule.
     """
     v = np.sort(values)
-    v = v[np.linspace(0, len(v) - 1, min(len(v), QUANTILES)).round().astype(int)]
+    v = v[np.linspace(0, len(v) - 1, min(len(v), budgets.QUANTILES)).round().astype(int)]
     number, total = len(v), np.concatenate([[0.0], np.cumsum(v)])
     first, last = np.meshgrid(np.arange(number), np.arange(number), indexing="ij")
     middle = (first + last) // 2
@@ -68,13 +62,13 @@ def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, 
     return np.array([v[(a + b) // 2] for a, b in ranges])
 
 
-def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"], fewest: int = FEWEST_CELLS) -> Int[np.ndarray, " cell"]:
-    """Labels in which every part of fewer touching cells has the label that most cells around it have."""
+def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
+    """Labels in which every part of few touching cells has the label that most cells around it have."""
     pairs, labels = mesh.touching(), labels.copy()
     alike = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
     joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(labels),))
     _, part = scipy.sparse.csgraph.connected_components(joined, directed=False)
-    small = np.flatnonzero(np.bincount(part) < fewest)
+    small = np.flatnonzero(np.bincount(part) < thresholds.FEWEST_CELLS)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     for number in small:
         around = both[(part[both[:, 0]] == number) & (part[both[:, 1]] != number), 1]

@@ -20,13 +20,13 @@ from hypernode.data.measurement import force_uncertainty
 from hypernode.fem.cells import filled
 from hypernode.fem.mesh import Mesh
 from hypernode.fem.refinement import Refinement
+from hypernode.identification import numerics
 from hypernode.identification.cellwise import cell_sensitivity, log_stress
 from hypernode.identification.equilibrium import FieldEquilibrium, State
 from hypernode.identification.homogeneous import Homogeneous, fit_homogeneous
 from hypernode.identification.observations import Observations, observe
 from hypernode.identification.resultants import EdgeForce, edge_forces, shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian, quadrature
-from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.mechanics.convex_basis import ConvexBasis
 from hypernode.mechanics.point_law import PointLaw
 
@@ -48,10 +48,9 @@ class FieldProblem:
         equilibrium: FieldEquilibrium,
         fit: Callable[[], Homogeneous] | None = None,
         forces: list[EdgeForce],
-        strategy: Strategy,
     ):
         self.observations, self.basis, self.equilibrium = observations, basis, equilibrium
-        self._fit, self.forces, self.strategy = fit, forces, strategy
+        self._fit, self.forces = fit, forces
         self._mean = jnp.asarray(observations.mean_F), observations.loading.scale
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
         self._shares = self._shares_of_steps()
@@ -85,7 +84,7 @@ class FieldProblem:
     @property
     def solver_error(self) -> float:
         """How far displacements are from equilibrium, over their standard deviation."""
-        return self.strategy.newton_tolerance * float(np.abs(self.observations.u).max()) / self.sigma
+        return numerics.NEWTON_TOLERANCE * float(np.abs(self.observations.u).max()) / self.sigma
 
     @property
     def noisy(self) -> bool:
@@ -163,7 +162,6 @@ def field_problem(
     measurement,
     settings: Constrained,
     subcells: int = 1,
-    strategy: Strategy = STRATEGY,
     floor: float | None = None,
     at_lines: bool = False,
 ) -> FieldProblem:
@@ -175,18 +173,17 @@ def field_problem(
         subcells: rows and columns into which every measured cell is divided.
         floor, at_lines: error of the description by finite elements; see :func:`observe`.
     """
-    observations = observe(measurement, subcells, strategy, floor, at_lines)
+    observations = observe(measurement, subcells, floor, at_lines)
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
-    equilibrium = FieldEquilibrium.of(observations, basis, strategy)
+    equilibrium = FieldEquilibrium.of(observations, basis)
     return FieldProblem(
         observations=observations,
         basis=basis,
         equilibrium=equilibrium,
         # All problems that are made of this one share the fit.
-        fit=functools.cache(partial(fit_homogeneous, observations, basis, equilibrium, strategy)),
-        forces=_forces(measurement, observations, settings, strategy),
-        strategy=strategy,
+        fit=functools.cache(partial(fit_homogeneous, observations, basis, equilibrium)),
+        forces=_forces(measurement, observations, settings),
     )
 
 
@@ -195,10 +192,9 @@ def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
     return FieldProblem(
         observations=problem.observations,
         basis=law,
-        equilibrium=FieldEquilibrium.of(problem.observations, law, problem.strategy),
+        equilibrium=FieldEquilibrium.of(problem.observations, law),
         fit=problem._fit,
         forces=problem.forces,
-        strategy=problem.strategy,
     )
 
 
@@ -207,28 +203,25 @@ def problem_of_basis(
     settings: Constrained,
     basis: PointLaw,
     subcells: int = 1,
-    strategy: Strategy = STRATEGY,
     floor: float | None = None,
     at_lines: bool = False,
 ) -> FieldProblem:
     """The problem of a measurement whose material is known in terms of a law: nothing is fitted.
 
     Args:
-        measurement, settings, subcells, strategy, floor, at_lines: as of :func:`field_problem`.
+        measurement, settings, subcells, floor, at_lines: as of :func:`field_problem`.
         basis: the law; a convex basis has the scale of the identification that made the field.
     """
-    observations = observe(measurement, subcells, strategy, floor, at_lines)
-    equilibrium = FieldEquilibrium.of(observations, basis, strategy)
-    forces = _forces(measurement, observations, settings, strategy)
-    return FieldProblem(
-        observations=observations, basis=basis, equilibrium=equilibrium, forces=forces, strategy=strategy
-    )
+    observations = observe(measurement, subcells, floor, at_lines)
+    equilibrium = FieldEquilibrium.of(observations, basis)
+    forces = _forces(measurement, observations, settings)
+    return FieldProblem(observations=observations, basis=basis, equilibrium=equilibrium, forces=forces)
 
 
-def _forces(measurement, observations: Observations, settings: Constrained, strategy: Strategy) -> list[EdgeForce]:
+def _forces(measurement, observations: Observations, settings: Constrained) -> list[EdgeForce]:
     """The resultants, as certain as the load cell is said to be."""
     relative = np.maximum(settings.force_noise, force_uncertainty(measurement))
-    return edge_forces(measurement, observations.refinement.mesh, relative, strategy)
+    return edge_forces(measurement, observations.refinement.mesh, relative)
 
 
 def _quadrature(observations: Observations) -> Float[np.ndarray, " step"]:

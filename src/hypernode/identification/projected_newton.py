@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
-from hypernode.identification.settings import Strategy
+from hypernode.identification import budgets, numerics
 
 
 def projected_steps(
@@ -14,7 +14,6 @@ def projected_steps(
     curvature: Float[np.ndarray, "number number"],
     lowest: Float[np.ndarray, " number"],
     floor: Float[np.ndarray, " number"],
-    strategy: Strategy,
     least: int = 0,
 ) -> Iterator[tuple[np.ndarray, float, int]]:
     """(where a step from ``x`` leads, what it should gain, number of its damping), each more damped than the last.
@@ -29,10 +28,10 @@ def projected_steps(
     """
     going = np.flatnonzero((x > lowest) | (gradient < 0.0))
     gradient, curvature = gradient[going], curvature[np.ix_(going, going)]
-    fractions = strategy.fraction ** np.arange(strategy.clipped_trials)
-    for number, damping in list(enumerate(strategy.damping_shares))[least:]:
+    fractions = numerics.SEARCH_FACTOR ** np.arange(budgets.CLIPPED_TRIALS)
+    for number, damping in list(enumerate(numerics.DAMPING_SHARES))[least:]:
         change = -np.linalg.solve(curvature + np.diag(damping * np.diag(curvature) + floor[going]), gradient)
-        within = change * min(1.0, strategy.largest_step / np.abs(change).max())
+        within = change * min(1.0, numerics.LARGEST_STEP / np.abs(change).max())
         for fraction in fractions:
             changed = x.copy()
             changed[going] += fraction * within

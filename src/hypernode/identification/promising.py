@@ -9,16 +9,8 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Bool, Float
 
+from hypernode.identification import budgets, numerics, priors
 from hypernode.identification.seen_test import SeenTest
-
-#: Random residuals, by which curvatures are known to a fifth.
-PROBES = 64
-#: Part of a change up to which it promises nothing, were it real.
-LEAST_PART = 0.05
-#: What contours may pay for a change: four sides of a cell.
-PAID = 4.0 * float(np.log(2.0))
-#: Changes that are asked at most, so that their quadratic form takes seconds and a part of a gigabyte.
-MOST = 4000
 
 
 def promising(
@@ -42,10 +34,12 @@ def promising(
     J = [answer.over(sigma) for answer in answers]
     weighed = shared.weighed([np.c_[r, j] for r, j in zip(test.residuals(states, sigma), J, strict=True)])
     # What the numbers explain is taken off.
-    columns = [np.c_[w[:, 0], random.standard_normal((len(w), PROBES))] for w in weighed]
+    columns = [np.c_[w[:, 0], random.standard_normal((len(w), budgets.PROBES))] for w in weighed]
     own = held + sum(j.T @ w[:, 1:] for j, w in zip(J, weighed, strict=True))
     explained = np.linalg.solve(own, sum(j.T @ each for j, each in zip(J, columns, strict=True)))
     left = [each - w[:, 1:] @ explained for each, w in zip(columns, weighed, strict=True)]
     slope, *pulled = test.adjoint(states, [load[:, :count] for load in loads], sigma, left).T
-    cost = slope + dear + 0.5 * LEAST_PART * np.mean(np.square(pulled), axis=0)
-    return cost < PAID if count <= MOST else cost < min(PAID, np.partition(cost, MOST)[MOST])
+    cost = slope + dear + 0.5 * numerics.PROMISED_PART * np.mean(np.square(pulled), axis=0)
+    # What contours may pay for a change: four sides of a cell.
+    paid, most = 4.0 * priors.CONTOUR_SIDE, budgets.MOST_CHANGES
+    return cost < paid if count <= most else cost < min(paid, np.partition(cost, most)[most])

@@ -1,14 +1,14 @@
 """Penalty on jumps of a field of parameters between cells."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.settings import STRATEGY, Strategy
+from hypernode.identification import budgets, priors
 
 #: Length of an interface that a pair of cells with a common side, or with only a corner, stands for in the
 #: isotropic sum. With these an interface along the grid and one at 45 degrees both count their true
@@ -28,7 +28,7 @@ class JumpCost:
             direction. Early in a search corners only add local minima.
     """
 
-    smallest: float = STRATEGY.smallest_jump
+    smallest: float = field(default_factory=lambda: priors.SMALLEST_JUMP)
     scale: float | None = None
     isotropic: bool = False
 
@@ -75,6 +75,14 @@ class Jumps:
         return scipy.sparse.diags(root) @ self._difference[cost.isotropic], root[:, None] * jumps
 
 
+def unit_length(areas: Float[np.ndarray, " cell"]) -> float:
+    """Length of interface that counts as one, by the areas of the measured cells.
+
+    On finer grids it costs what it does on the finest that is not begun from a coarser one.
+    """
+    return float((areas.sum() / min(len(areas), budgets.MOST_CELLS_AT_ONCE)) ** 0.5)
+
+
 def _differences(pairs, cells: int) -> scipy.sparse.csr_matrix:
     """Matrix (pair, cell) that takes cell values to their differences."""
     n = len(pairs)
@@ -94,9 +102,9 @@ class Regulariser:
             divided among them.
     """
 
-    def __init__(self, *, mesh: Mesh, names, unit: float, stiffness: Callable, strategy: Strategy = STRATEGY):
+    def __init__(self, *, mesh: Mesh, names, unit: float, stiffness: Callable):
         self._jumps = Jumps(mesh, unit)
-        self._share = np.array([strategy.jump_shares.get(name, strategy.default_jump_share) for name in names])
+        self._share = np.array([priors.JUMP_SHARES.get(name, priors.DEFAULT_JUMP_SHARE) for name in names])
         self._stiffness = stiffness
 
     def _coordinates(self, params):

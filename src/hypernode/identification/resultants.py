@@ -14,7 +14,7 @@ from hypernode.data.measurement import (
 )
 from hypernode.data.seen_share import believed_shares
 from hypernode.fem.mesh import EDGE_NAMES, EDGES, Mesh
-from hypernode.identification.settings import Strategy
+from hypernode.identification import priors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ def shared_errors(forces: list[EdgeForce]) -> Float[np.ndarray, "force error"]:
     return errors[:, errors.any(axis=0)]
 
 
-def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], strategy: Strategy) -> list[EdgeForce]:
+def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"]) -> list[EdgeForce]:
     """Measured resultants, one a step and component.
 
     A load cell tells one force, so that both edges are one datum. Their balance gives the other edge. A grid that is
@@ -82,7 +82,7 @@ def edge_forces(measurement, mesh: Mesh, relative: Float[np.ndarray, " step"], s
                 sign = outward * EDGES[edge][1] / len(known)
                 direction[mesh.on_edge(edge), i] = sign
                 value += sign * carried[step, axis] * float(force[step, e, i])
-            sigma = relative[step] * max(abs(value), strategy.smallest_force * largest[step])
+            sigma = relative[step] * max(abs(value), priors.SMALLEST_FORCE * largest[step])
             of_channel = force[load_case == case][:, [2 * axis, 2 * axis + 1], i]
             offset = outward * offsets * float(np.nanmax(np.abs(of_channel)))
             forces.append(

@@ -15,6 +15,7 @@ import scipy.optimize
 import scipy.sparse
 from jaxtyping import Float
 
+from hypernode.identification import numerics
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
@@ -27,8 +28,6 @@ from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS, ConvexBas
 BELONGS = {"across": "fibre", "stiffening": "fibre", "I1_stiffening": "I1_squared"}
 #: Parameters log(1 + .) of coefficients that are relative to the level, not to another term.
 LOGARITHMIC = [name for term in ("I1_squared", "I2", "ogden") for name in PARAMETERS[term]]
-#: Level over the one before below which the linear model says nothing of it.
-LEAST_LEVEL = 0.1
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -92,7 +91,7 @@ class Joined:
         moved[self.free] += change - scipy.linalg.cho_solve(self.own, self.between @ x)
         shape = len(self.materials), len(self.kept)
         step = (moved - self.y)[: np.prod(shape)].reshape(shape)
-        grown, names = np.maximum(1.0 + step[:, 0], LEAST_LEVEL), self.law.names
+        grown, names = np.maximum(1.0 + step[:, 0], numerics.LEAST_LEVEL), self.law.names
         materials = self.materials.copy()
         for column, more in zip(self.kept, step.T, strict=True):
             p = materials[:, column]

@@ -9,6 +9,7 @@ import scipy.sparse
 from jaxtyping import Float
 
 from hypernode.fem.factors import Factors, factorise
+from hypernode.identification import numerics, priors
 from hypernode.identification.answers import Answer, adjoint
 from hypernode.identification.coats import Cuts
 from hypernode.identification.errors import EdgeAnswers, SharedErrors
@@ -19,11 +20,6 @@ from hypernode.identification.problem import FieldProblem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian
 from hypernode.identification.sheet import CellMaterials, Sheet
-
-#: Half of the difference of two windows, in points, that stands for a derivative.
-DIFFERENCE = 0.05
-#: Largest side of a window, in points.
-LARGEST_WINDOW = 6.0
 
 
 @runtime_checkable
@@ -81,7 +77,7 @@ class SeenTest:
 
     def see_through(self, window: float) -> None:
         """Look through another window from now on."""
-        self.window = min(window, LARGEST_WINDOW)
+        self.window = min(window, priors.LARGEST_WINDOW)
         self._observe = self._through(self.window)
 
     def _through(self, window: float):
@@ -93,9 +89,9 @@ class SeenTest:
 
     def by_window(self, states, sigma: float) -> list[np.ndarray]:
         """Derivative of the residuals by the side of the window, by step (residual, 1)."""
-        less = max(self.window - DIFFERENCE, 0.0)
-        pairs = zip(self._through(self.window + DIFFERENCE), self._through(less), states, self.forces, strict=True)
-        apart = self.window + DIFFERENCE - less
+        more, less = self.window + numerics.WINDOW_DIFFERENCE, max(self.window - numerics.WINDOW_DIFFERENCE, 0.0)
+        pairs = zip(self._through(more), self._through(less), states, self.forces, strict=True)
+        apart = more - less
         return [
             np.concatenate([(wide - narrow) @ u.ravel() / (apart * sigma), np.zeros(len(forces))])[:, None]
             for wide, narrow, (u, _, _), forces in pairs
@@ -117,7 +113,7 @@ class SeenTest:
     def states(self, field: OfCells, guesses) -> list | None:
         """Equilibrium of every step near guesses of the displacement; None where there is none."""
         (of, _), found = field.cells(), []
-        tolerance = self.problem.strategy.newton_tolerance
+        tolerance = numerics.NEWTON_TOLERANCE
         for k, (guess, boundary) in enumerate(zip(guesses, self.boundaries, strict=True)):
             _, near = self._latest.get(k, (None, None))
             reached = self.sheet.equilibrium(guess, boundary.free, of, tolerance, near)

@@ -17,12 +17,7 @@ import scipy.linalg
 from jaxtyping import Float
 
 from hypernode.fem.factors import factorise
-
-#: Variance that errors of prescribed edges add to a combination of residuals, over its own, below which it is left out.
-NEGLIGIBLE_VARIANCE = 1e-2
-#: Errors of prescribed edges that are followed through the sheet at a time: all of 50 x 50 cells. Displacements of all
-#: at once would be the largest array of a large grid.
-ERRORS_AT_ONCE = 256
+from hypernode.identification import budgets, numerics
 
 
 def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
@@ -54,7 +49,7 @@ def quadrature(sizes: Float[np.ndarray, " step"]) -> Float[np.ndarray, " step"]:
 def directions(A: Float[np.ndarray, "residual error"]):
     """(left singular vectors, squared singular values) of ``A``, without those of :data:`NEGLIGIBLE_VARIANCE`."""
     variance, V = scipy.linalg.eigh(A.T @ A)
-    told = variance > NEGLIGIBLE_VARIANCE
+    told = variance > numerics.NEGLIGIBLE_VARIANCE
     return A @ (V[:, told] / np.sqrt(variance[told])), variance[told]
 
 
@@ -107,8 +102,8 @@ class StepJacobian:
     def _answered(self, errors):
         """How residuals answer to errors of the prescribed displacements, some at a time."""
         found = []
-        for first in range(0, errors.shape[1], ERRORS_AT_ONCE):
-            some = errors[:, first : first + ERRORS_AT_ONCE]
+        for first in range(0, errors.shape[1], budgets.ERRORS_AT_ONCE):
+            some = errors[:, first : first + budgets.ERRORS_AT_ONCE]
             du = some.toarray()
             du[self._free] = -self.factor.solve((self._rows @ some).toarray())
             found.append(np.concatenate([self._observe @ du, *(r[None] @ du for r in self._reactions)]))

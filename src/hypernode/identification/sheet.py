@@ -8,15 +8,10 @@ from jaxtyping import Float, Int
 
 from hypernode.fem.factors import Factors, factorise
 from hypernode.fem.mesh import Mesh
+from hypernode.identification import budgets, numerics
 from hypernode.identification.coats import Pieces
 from hypernode.identification.laminates import Jumps, LaminateStress, laminate
 from hypernode.identification.points import Points
-
-#: Newton steps to equilibrium at most, halves of them included.
-STEPS = 20
-#: Share of the residual that a step with old factors may leave before new ones are made, and share of the tolerance
-#: that the last one may.
-SLOW, CLOSER = 0.1, 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,7 +203,7 @@ class Sheet:
         """
         u, jumps, left, step = guess.copy(), None, np.inf, None
         fixed = np.setdiff1d(np.arange(u.size), free)
-        for _ in range(STEPS):
+        for _ in range(budgets.EQUILIBRIUM_STEPS):
             force, K, reached = self._response(u, of, jumps)
             size = np.linalg.norm(force[free])
             if not size < left:
@@ -220,10 +215,10 @@ class Sheet:
                 else:
                     u, left, step, near = u + step, np.inf, None, None
                 continue
-            near = None if size > SLOW * left else near
+            near = None if size > numerics.SLOW * left else near
             jumps, left = reached, size
             size = size / max(np.linalg.norm(force[fixed]), np.finfo(float).tiny)
-            if size <= tolerance * (1.0 if near is None else CLOSER):
+            if size <= tolerance * (1.0 if near is None else numerics.WITH_OLD_FACTORS):
                 return u, force, K
             step = np.zeros(u.size)
             step[free] = (near or factorise(K[free][:, free])).solve(force[free])

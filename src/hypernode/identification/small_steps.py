@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
+from hypernode.identification import budgets
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.moves import Moves
 from hypernode.identification.parting import Parting
-from hypernode.identification.trials import NEAR
 
 
 def from_smallest(parting: Parting, one: Candidate) -> Iterator[Candidate]:
@@ -21,7 +21,9 @@ def from_smallest(parting: Parting, one: Candidate) -> Iterator[Candidate]:
     """
     trials, finds, steps = parting.trials, parting.finds_window, parting.smallest(one)
     small = Parting(trials, steps, finds, small=True)
-    alone = trials.descend("one material, smallest load steps", None, one.problem, one.fit.field, one.u, steps, NEAR)
+    alone = trials.descend(
+        "one material, smallest load steps", None, one.problem, one.fit.field, one.u, steps, budgets.NEAR
+    )
     if alone is None:
         return
     beside = small.beside(alone)
@@ -39,7 +41,9 @@ def from_smallest(parting: Parting, one: Candidate) -> Iterator[Candidate]:
             u[k] = one.u[k] + (told.u[like] - alone.u[like]) * loading.t[k] / loading.t[like]
         field, window = told.fit.field, told.fit.window
         move = "the same, largest load steps"
-        found = trials.descend(move, told, told.problem, field, u, parting.steps, NEAR, window, move_lines=False)
+        found = trials.descend(
+            move, told, told.problem, field, u, parting.steps, budgets.NEAR, window, move_lines=False
+        )
         if found is not None:
             yield found
 

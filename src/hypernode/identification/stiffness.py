@@ -16,21 +16,11 @@ from jaxtyping import Float, Int
 
 from hypernode.config.methods import Constrained
 from hypernode.fem.mesh import Mesh
+from hypernode.identification import budgets, numerics
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.regulariser import JumpCost, Jumps
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.sheet import CellMaterials
-
-#: Steps with total variation before larger jumps stop costing more, at most of blocks, and then of cells near jumps.
-CONVEX_STEPS, STEPS, OF_CELLS = 4, 40, 10
-#: Times that weights of jumps follow a step.
-ROUNDS = 2
-#: A step that gains less than this share of the cost ends the descent.
-GAIN = 5e-3
-#: Fractions of a step that are tried, and its largest change.
-FRACTIONS, LARGEST_STEP = (1.0, 0.5, 0.2, 0.05), 1.0
-#: Cells along a side of the blocks that share numbers at first, and then.
-BLOCKS = 4, 2
 
 
 class ByCell(NamedTuple):
@@ -116,24 +106,26 @@ class CellDescent:
                 than half of their squares.
         """
         mesh, best = self._test.sheet.mesh, None
-        groups = blocks(mesh, BLOCKS[0])
+        groups = blocks(mesh, numerics.BLOCKS[0])
         for start in starts:
             values = np.tile(start, (len(mesh.cells), 1))
             if others is not None:
                 values[:, : others.values.shape[1]] += others.values
-            found = self._descend(values, guesses, groups, CONVEX_STEPS)
+            found = self._descend(values, guesses, groups, budgets.CONVEX_FACTOR_STEPS)
             if found is not None and (best is None or found.misfit < best.misfit):
                 best = found
         if best is None:
             return None
         if others is not None and not best.halves(others):
             return best
-        return self._on(best, blocks(mesh, BLOCKS[1]), STEPS, CONVEX_STEPS // 2)
+        return self._on(best, blocks(mesh, numerics.BLOCKS[1]), budgets.FACTOR_STEPS, budgets.CONVEX_FACTOR_STEPS // 2)
 
     def of_cells(self, found: ByCell) -> ByCell:
         """Where a descent goes on once cells near jumps have numbers of their own."""
         groups = divided_near_jumps(self._test.sheet.mesh, found, self._jump_scale)
-        return self._on(found, groups, CONVEX_STEPS + OF_CELLS, CONVEX_STEPS)
+        return self._on(
+            found, groups, budgets.CONVEX_FACTOR_STEPS + budgets.CELL_FACTOR_STEPS, budgets.CONVEX_FACTOR_STEPS
+        )
 
     def _on(self, found: ByCell, groups, most: int, done: int) -> ByCell:
         """Where a descent goes on with other groups."""
@@ -167,7 +159,7 @@ class CellDescent:
         if states is None:
             return None
         for number in range(done, most):
-            convex = number < CONVEX_STEPS
+            convex = number < budgets.CONVEX_FACTOR_STEPS
             jump_cost = JumpCost(scale=None if convex else self._jump_scale, isotropic=True)
             sigma = test.sigma_of(states, sigma)
             shared, residuals = test.shared(states, sigma), test.residuals(states, sigma)
@@ -175,9 +167,9 @@ class CellDescent:
             curvature, gradient = shared.normal((answer.over(sigma) for answer in answers), residuals)
             before = 0.5 * shared.squared(residuals) + self._cost(values, jump_cost)
             step = self._step(curvature, gradient, values, members, jump_cost)
-            step = np.clip(step, -LARGEST_STEP, LARGEST_STEP)
+            step = np.clip(step, -numerics.LARGEST_STEP, numerics.LARGEST_STEP)
             moved = None
-            for fraction in FRACTIONS:
+            for fraction in numerics.FACTOR_FRACTIONS:
                 trial = values + fraction * step[groups]
                 there = Shifted(self._of, self._columns, trial)
                 reached = test.followed(there, states, answers, fraction * step.T.ravel())
@@ -190,7 +182,7 @@ class CellDescent:
             if moved is None:
                 break
             values, states, field = trial, reached, there
-            if moved < GAIN * before and not convex:
+            if moved < numerics.FACTOR_GAIN * before and not convex:
                 break
         return ByCell(values, states, test.left(states), groups)
 
@@ -200,7 +192,7 @@ class CellDescent:
         every = scipy.sparse.block_diag([members] * count, format="csr")
         step = np.zeros(every.shape[1])
         held = 1e-3 * np.diag(curvature).mean() * np.eye(len(step))
-        for _ in range(ROUNDS):
+        for _ in range(budgets.WEIGHT_ROUNDS):
             D, _ = self._jumps.roots(values + (every @ step).reshape(count, -1).T, jump_cost)
             R = self._weight * (D.T @ D)
             of_blocks = scipy.sparse.block_diag([members.T @ R @ members] * count).toarray()

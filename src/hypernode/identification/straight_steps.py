@@ -8,10 +8,9 @@ coefficients and bent in their logarithms. A step that is straight in logarithms
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification import numerics
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, LETTERS, NONE, PARAMETERS, SMALLEST, ConvexBasis
 
-#: Share of a level that a straight step leaves at least; a longer one is taken in its logarithm.
-LEFT = 0.25
 #: Coefficients that are exponents or relative to the fibres, in which the stress is not linear.
 NOT_LINEAR = ("h", "h1", "q")
 LINEAR = [name for letter, name in LETTERS.items() if letter not in NOT_LINEAR]
@@ -35,7 +34,7 @@ def straight(
     first_after = first * (1.0 + level - first * (added * mixed).sum(axis=1, keepdims=True))
     over = np.where(mixed, first * (values + added) + values * (first_after - first), values * (1.0 + level) + added)
     level_after = first_after + (over * mixed).sum(axis=1, keepdims=True)
-    if min((first_after / first).min(), level_after.min()) < LEFT:
+    if min((first_after / first).min(), level_after.min()) < numerics.LEVEL_LEFT:
         return after
     after[:, :1] = before[:, :1] + np.log(level_after)
     after[:, linear] = _parameters(over / np.where(mixed, first_after, level_after))

@@ -14,7 +14,7 @@ import xarray as xr
 
 from hypernode.config.methods import Constrained
 from hypernode.data.coarsening import coarsened
-from hypernode.identification.candidate import MOSTLY_NO_NOISE
+from hypernode.identification import budgets, thresholds
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import check_forces
@@ -22,7 +22,6 @@ from hypernode.identification.gauss_newton import IdentificationError, descend
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_search import Search
 from hypernode.identification.problem import FieldProblem, field_problem
-from hypernode.identification.settings import STRATEGY, Strategy
 from hypernode.identification.unseen_strips import with_carried_shares
 from hypernode.identification.volume import Parts, of_either
 from hypernode.progress import say
@@ -30,7 +29,7 @@ from hypernode.trace import table
 from hypernode.verdict import Ending
 
 
-def identify(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy = STRATEGY) -> Estimate:
+def identify(measurement: xr.Dataset, settings: Constrained, name: str) -> Estimate:
     """The material field that explains a measurement, or comes nearest to it.
 
     Args:
@@ -44,13 +43,13 @@ def identify(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     """
     found = of_either(
         settings,
-        lambda each: of_parts(measurement, each, name, strategy),
-        lambda each: of_cells(measurement, each, name, strategy),
+        lambda each: of_parts(measurement, each, name),
+        lambda each: of_cells(measurement, each, name),
     )
     told = None if isinstance(found, InterfaceEstimate) else with_carried_shares(measurement, found)
     if told is not None:
         of_law = settings.model_copy(update={"terms": list(found.basis.terms)})
-        problem = field_problem(told, of_law, strategy=strategy)
+        problem = field_problem(told, of_law)
         found = descend(problem, of_law, name, found, settings.tolerance, "what is beside the points").after(found)
     for line in table(found.trace.rows(found.trial)):
         say("constrained", name, line)
@@ -58,7 +57,7 @@ def identify(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     return found
 
 
-def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Parts:
+def of_parts(measurement: xr.Dataset, settings: Constrained, name: str) -> Parts:
     """The few materials and lines that explain a test. They are sought where the configuration asks for layers.
 
     Args:
@@ -71,14 +70,14 @@ def of_parts(measurement: xr.Dataset, settings: Constrained, name: str, strategy
     """
     if not settings.layers:
         return Parts(None, False)
-    search = Search(measurement, settings, name, strategy)
+    search = Search(measurement, settings, name)
     found = search.end()
-    if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > MOSTLY_NO_NOISE:
+    if found is None or found.unexplained > 1.0 or found.misfits["displacement"] > thresholds.MOSTLY_NO_NOISE:
         found = None
     return Parts(found, search.keeps_volume)
 
 
-def of_cells(measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy) -> Estimate:
+def of_cells(measurement: xr.Dataset, settings: Constrained, name: str) -> Estimate:
     """The likeliest field in which every cell has its own coefficients.
 
     The stiffness alone comes first: it finds where the material changes, along a path without the valleys that all
@@ -88,7 +87,7 @@ def of_cells(measurement: xr.Dataset, settings: Constrained, name: str, strategy
 
     @functools.cache
     def problem_of(*terms: str) -> FieldProblem:
-        return field_problem(measurement, settings.model_copy(update={"terms": list(terms)}), strategy=strategy)
+        return field_problem(measurement, settings.model_copy(update={"terms": list(terms)}))
 
     def with_terms(terms, before: Estimate | None, move: str) -> Estimate | None:
         """Where a descent ends; None without equilibrium where there is a field already."""
@@ -101,15 +100,15 @@ def of_cells(measurement: xr.Dataset, settings: Constrained, name: str, strategy
             return None
         return reached if before is None else reached.after(before)
 
-    if measurement.sizes["cell"] > strategy.most_cells_at_once:
+    if measurement.sizes["cell"] > budgets.MOST_CELLS_AT_ONCE:
         coarse = coarsened(measurement)
         say("constrained", name, f"{coarse.sizes['cell']} cells of every second grid line first")
-        before = of_cells(coarse, settings, name, strategy).without_sensitivities()
+        before = of_cells(coarse, settings, name).without_sensitivities()
         return with_terms(before.basis.terms, before, "cells of the measured grid")
     check_forces(problem_of, settings, name)
     # Whether the sheet is compressible is no term among others: it says what the stiffness means.
     plain = with_terms([term for term in settings.terms if term == "J"], None, "cells, from the homogeneous sheet")
-    if plain.data_share < strategy.nothing_left or plain.basis.terms == tuple(settings.terms):
+    if plain.data_share < thresholds.NOTHING_LEFT or plain.basis.terms == tuple(settings.terms):
         return plain
     laws = [settings.isotropic_terms] if settings.isotropic_terms and "fibre" in settings.terms else []
     tried = [plain, *(with_terms(terms, plain, "cells, with these terms") for terms in (*laws, settings.terms))]
@@ -122,8 +121,8 @@ def of_cells(measurement: xr.Dataset, settings: Constrained, name: str, strategy
 
 def _warn(found: Estimate, settings: Constrained, name: str) -> None:
     """Say on standard error what stands against believing a field."""
-    misfit, strategy = found.misfits["displacement"], found.problem.strategy
-    if misfit > strategy.unexplained:
+    misfit = found.misfits["displacement"]
+    if misfit > thresholds.UNEXPLAINED:
         print(
             f"warning: constrained field of {name}: displacements are missed by {misfit:.1f} times their "
             f"noise. The terms ({', '.join(found.basis.terms) or 'neo-Hookean'}) do not explain this test, or "

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification import numerics
 from hypernode.identification.points import Points, PointStress
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR, PARAMETERS, ROUNDING, SMALLEST, ConvexBasis
 
@@ -32,13 +33,9 @@ def coefficient_of(parameter: Float[np.ndarray, "..."]):
     return coefficient, coefficient / root * np.exp(parameter)
 
 
-#: Parameter of a coefficient that is none: a fiftieth of what is left of it at the bound of a search.
-ABSENT = float(np.log1p(-0.99))
-
-
 def parameter_of(coefficient: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
     """Parameter of a coefficient, :data:`ABSENT` of none: the inverse of :func:`coefficient_of`."""
-    c = np.maximum(coefficient, coefficient_of(ABSENT)[0])
+    c = np.maximum(coefficient, coefficient_of(numerics.ABSENT)[0])
     return np.log1p(c - SMALLEST**2 / c)
 
 
@@ -74,7 +71,7 @@ class TermPoints:
         every = tuple(term for term in PARAMETERS if term in (*kept.terms, *terms))
         self.law = (_OfKeptLevel if "ogden" in terms else ConvexBasis)(every, kept.invariant_scale)
         names = self.law.names
-        self.none = np.where(np.isfinite(self.law.lowest), ABSENT, 0.0)
+        self.none = np.where(np.isfinite(self.law.lowest), numerics.ABSENT, 0.0)
         self.kept = kept
         self._kept = [names.index(name) for name in kept.names]
         self._points, self._every = Points(kept), Points(self.law)

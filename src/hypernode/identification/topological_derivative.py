@@ -10,17 +10,14 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Int
 
+from hypernode.identification import budgets, numerics
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.contours import ContourModel, Options, relabelled
-from hypernode.identification.interface_fit import REACH
 from hypernode.identification.interface_numbers import numbers_of
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.promising import promising
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.trials import FAR, Trials
-
-#: How often cells change at most.
-ROUNDS = 10
+from hypernode.identification.trials import Trials
 
 
 def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
@@ -32,7 +29,7 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         steps: load steps that count.
         finds_window: whether the side of the window is sought.
     """
-    for _ in range(ROUNDS):
+    for _ in range(budgets.OTHER_CELLS_ROUNDS):
         if kept.leaves_nothing:
             break
         problem, field, window = kept.problem, kept.fit.field, kept.fit.window
@@ -41,7 +38,9 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         if not changed:
             break
         move, other = f"{changed} cells of another material", field.with_labels(labels)
-        found = trials.descend(move, kept, problem, other, kept.u, steps, FAR, window, finds_window, settled=True)
+        found = trials.descend(
+            move, kept, problem, other, kept.u, steps, budgets.FAR, window, finds_window, settled=True
+        )
         if found is None:
             break
         gain = found.gain_over(kept)
@@ -59,7 +58,7 @@ def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"
     Args:
         states: equilibrium of every step of the test.
     """
-    options, moves = field.options(), field.moves(REACH)
+    options, moves = field.options(), field.moves(numerics.LINE_REACH)
     each = [(loads_of_changes(test, field, u, options), field.loads(test.sheet, u, moves)) for u, _, _ in states]
     loads = [scipy.sparse.hstack(both, format="csc") for both in each]
     numbers = numbers_of(test.problem, field, moves, None)

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from hypernode.identification import budgets, priors
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.gradual import BENDS
 from hypernode.identification.interfaces import Interfaces
-from hypernode.identification.trials import FAR, Trials
+from hypernode.identification.trials import Trials
 
 
 def trend(
@@ -21,7 +21,7 @@ def trend(
     finds_window: bool,
     instead: Candidate,
     best: Candidate | None = None,
-    bends: Sequence[float] = BENDS,
+    bends: Sequence[float] | None = None,
 ) -> Candidate | None:
     """The likeliest field with a gradual change on top of materials; None without equilibrium.
 
@@ -39,10 +39,19 @@ def trend(
         bends: of :class:`~hypernode.identification.gradual.Splines`.
     """
     window, lines = begun.fit.window if finds_window else None, field.count > 1
-    for bend in bends:
+    for bend in priors.GRADUAL_BENDS if bends is None else bends:
         move, changing = f"a gradual change, bends of {bend:g}", field.changing(factor, bend)
         found = trials.descend(
-            move, begun, begun.problem, changing, u, steps, FAR, window, finds_window and lines, settled=not lines
+            move,
+            begun,
+            begun.problem,
+            changing,
+            u,
+            steps,
+            budgets.FAR,
+            window,
+            finds_window and lines,
+            settled=not lines,
         )
         gain = -np.inf if found is None else np.inf if best is None else found.gain_over(best)
         if found is None or gain <= 0.0:

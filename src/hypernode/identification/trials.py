@@ -7,19 +7,14 @@ import numpy as np
 import xarray as xr
 
 from hypernode.config.methods import Constrained
+from hypernode.identification import numerics, priors
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.problem import FieldProblem, field_problem, with_law
 from hypernode.identification.seen_test import SeenTest
-from hypernode.identification.settings import Strategy
 from hypernode.progress import say
 from hypernode.trace import Trace, Trial
-
-#: Steps of a descent at most that begins near its end, and far from it.
-NEAR, FAR = 8, 15
-#: Rows and columns into which a cell is divided for the answer.
-FINER = 2
 
 
 class Trials:
@@ -31,8 +26,8 @@ class Trials:
         name: of the case, for progress.
     """
 
-    def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str, strategy: Strategy):
-        self.measurement, self.settings, self.name, self.strategy = measurement, settings, name, strategy
+    def __init__(self, measurement: xr.Dataset, settings: Constrained, name: str):
+        self.measurement, self.settings, self.name = measurement, settings, name
         self._problems: dict[tuple, FieldProblem] = {}
         self._tried: list[Candidate] = []
         self._reasons: dict[Candidate, str] = {}
@@ -55,9 +50,9 @@ class Trials:
         if key not in self._problems:
             settings = self.settings.model_copy(update={"terms": list(terms)})
             largest = float(np.nanmax(np.abs(self.measurement["u_measured"].values)))
-            least = self.strategy.same_grid_floor * largest
+            least = priors.SAME_GRID_FLOOR * largest
             self._problems[key] = field_problem(
-                self.measurement, settings, subcells, self.strategy, max(floor, least), at_lines=floor > 0.0
+                self.measurement, settings, subcells, max(floor, least), at_lines=floor > 0.0
             )
         return self._problems[key]
 
@@ -67,7 +62,7 @@ class Trials:
 
     def on_finer_elements(self, candidate: Candidate) -> tuple[FieldProblem, Interfaces, dict[int, np.ndarray]]:
         """(problem, field, displacement of every load step) of a candidate on divided cells."""
-        problem, before = self.problem(candidate.terms, FINER), candidate.fit.field
+        problem, before = self.problem(candidate.terms, numerics.FINER), candidate.fit.field
         field = before.on(Lines.of(problem.observations.grid, problem.refinement, before.lines))
         return problem, field, {k: problem.refinement.interpolation @ u for k, u in candidate.u.items()}
 

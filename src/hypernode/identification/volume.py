@@ -10,15 +10,13 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from hypernode.config.methods import Constrained
-from hypernode.identification.candidate import EVIDENCE, NOT_MADE_OF_FEW, Candidate
+from hypernode.identification import budgets, thresholds
+from hypernode.identification.candidate import Candidate
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.law_search import OF_THICKNESS, LawSearch, translated
-from hypernode.identification.trials import NEAR, Trials
-
-#: Steps after which a law with J that leaves far more than the one without is given up.
-FEW_STEPS = 3
+from hypernode.identification.trials import Trials
 
 
 class Parts(NamedTuple):
@@ -78,19 +76,21 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
     materials = translated(field.materials, kept.problem, problem, begin)
     law = problem, field.with_law(materials), kept.u, steps
-    found = trials.descend("a volume that changes", kept, *law, FEW_STEPS, kept.fit.window, finds_window)
+    found = trials.descend("a volume that changes", kept, *law, budgets.GIVEN_UP_AFTER, kept.fit.window, finds_window)
     if found is None:
         return Asked(kept)
-    far = found.level > NOT_MADE_OF_FEW * max(kept.level, 1.0)
+    far = found.level > thresholds.NOT_MADE_OF_FEW * max(kept.level, 1.0)
     if not far:
         law = problem, found.fit.field, found.u, steps
-        found = trials.descend("the same, more steps", found, *law, NEAR, found.fit.window, finds_window) or found
+        found = (
+            trials.descend("the same, more steps", found, *law, budgets.NEAR, found.fit.window, finds_window) or found
+        )
         found = LawSearch(trials, steps, finds_window).end(found)
     gain = found.gain_over(kept)
-    best, passed = (found, kept) if gain > EVIDENCE and not kept.halves(found) else (kept, found)
+    best, passed = (found, kept) if gain > thresholds.EVIDENCE and not kept.halves(found) else (kept, found)
     why = f"scores {abs(gain):+.1f} against" if (gain > 0.0) == (best is found) else "leaves twice the squares of"
     trials.passed_over(passed, f"{why} a law that says otherwise of the volume")
-    return Asked(best, far, abs(gain) <= EVIDENCE)
+    return Asked(best, far, abs(gain) <= thresholds.EVIDENCE)
 
 
 def of_either(

@@ -12,15 +12,8 @@ from scipy.optimize import minimize
 
 from hypernode.data.measurement import correlation_window, window_sought, window_uncertainty
 from hypernode.fem.mesh import Mesh
+from hypernode.identification import priors, thresholds
 from hypernode.identification.camera import window_average
-
-#: Share of what a window changes that its engine misses: where a search for it begins, and at most, when the mean over
-#: the window says nothing of what is seen.
-FIRST_SHARE, LARGEST_SHARE = 0.1, 1.0
-#: Side of a window that nobody stated, in points: subsets overlap by half.
-USUAL_WINDOW = 2.0
-#: Standard deviations that chance does not reach.
-NEVER = 3.0
 
 
 def changed_by_window(
@@ -50,9 +43,9 @@ def blurred_edges(
         noise: of a displacement.
     """
     side, kernel = correlation_window(measurement)
-    side = USUAL_WINDOW * grid.step if window_sought(measurement) else side
+    side = priors.USUAL_WINDOW * grid.step if window_sought(measurement) else side
     changed = changed_by_window(grid, u, side, kernel)
-    return np.where(changed > NEVER * noise[:, None], changed, 0.0)
+    return np.where(changed > thresholds.BY_CHANCE * noise[:, None], changed, 0.0)
 
 
 def window_errors(
@@ -107,8 +100,8 @@ def told_errors(residuals: Float[np.ndarray, " point"], changed: Float[np.ndarra
         variance = np.exp(2.0 * numbers[0]) + (numbers[1] * changed / size) ** 2
         return float(np.mean(np.log(variance) + (residuals / size) ** 2 / variance))
 
-    bounds = [(-5.0, 1.0), (0.0, LARGEST_SHARE)]
-    level, share = minimize(unlikely, [0.0, FIRST_SHARE], bounds=bounds, method="L-BFGS-B").x
+    bounds = [(-5.0, 1.0), (0.0, priors.LARGEST_SHARE)]
+    level, share = minimize(unlikely, [0.0, priors.FIRST_SHARE], bounds=bounds, method="L-BFGS-B").x
     return size * float(np.exp(level)), float(share)
 
 

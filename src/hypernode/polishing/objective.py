@@ -14,9 +14,10 @@ import numpy as np
 from jaxtyping import Float
 
 from hypernode.config.methods import Constrained, Polish
+from hypernode.identification import priors
 from hypernode.identification.objective import block_diagonal, white_residuals
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.regulariser import JumpCost, Regulariser
+from hypernode.identification.regulariser import JumpCost, Regulariser, unit_length
 from hypernode.identification.sensitivities import Jacobian
 from hypernode.mechanics.modes import mode_gradients
 from hypernode.polishing.stresses import Nearness, StressJumps
@@ -115,7 +116,7 @@ def weight_objective(
         field: of the network before.
         constrained, settings: the method's sections ``constrained`` and ``polish``.
     """
-    strategy, areas = problem.strategy, problem.observations.grid.areas
+    unit = unit_length(problem.observations.grid.areas)
 
     largest = problem.observations.largest_stretch
     modes = mode_gradients(1.0 + (largest - 1.0) * MODE_SIZES).reshape(-1, 2, 2)
@@ -124,10 +125,8 @@ def weight_objective(
     def first(values):
         return values[:, 0], np.tile(np.eye(values.shape[1])[0], (len(values), 1))
 
-    regulariser = Regulariser(
-        mesh=problem.mesh, names=jumps.names, unit=strategy.unit_length(areas), stiffness=first, strategy=strategy
-    )
-    finest = strategy.sharp_jump if problem.sharp else strategy.smallest_jump
+    regulariser = Regulariser(mesh=problem.mesh, names=jumps.names, unit=unit, stiffness=first)
+    finest = priors.SHARP_JUMP if problem.sharp else priors.SMALLEST_JUMP
     cost = JumpCost(finest, constrained.jump_scale, isotropic=True)
     nearness = Nearness(problem.basis, field.params(field.start), modes, settings.deviation)
     ridge = ridge_of(problem, field, LOOSENESS * settings.deviation)

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from hypernode.config.methods import Constrained, Polish
+from hypernode.identification import thresholds
 from hypernode.identification.problem import FieldProblem
-from hypernode.identification.settings import Strategy
 from hypernode.polishing.descent import Descent, descend_weights
 from hypernode.polishing.held_out import Misfit, held_out_steps, why_not_better
 from hypernode.polishing.objective import weight_objective
@@ -126,7 +126,7 @@ def _kept(problem: FieldProblem, field: WeightField, found: Descent, states, par
         after = used.after(reached), other.after(reached)
         for key, each in zip(misfits, after, strict=True):
             misfits[key]["after"] = each.sizes
-        reason = unexplained(after[0], problem.strategy) or why_not_better(other.before, after[1])
+        reason = unexplained(after[0]) or why_not_better(other.before, after[1])
     kept = not reason
     if kept:
         reason, states = "held-out displacements and forces are explained better", reached
@@ -144,12 +144,12 @@ def _kept(problem: FieldProblem, field: WeightField, found: Descent, states, par
     )
 
 
-def unexplained(used: Misfit, strategy: Strategy) -> str:
+def unexplained(used: Misfit) -> str:
     """Why a polished network does not explain what it was polished on; empty where it does.
 
     What no law of the networks follows, a fit distributes: stress is then wrong where forces were right.
     """
-    limits = {"displacement": strategy.unexplained, "force": strategy.forces_unexplained}
+    limits = {"displacement": thresholds.UNEXPLAINED, "force": thresholds.FORCES_UNEXPLAINED}
     for name, size in used.sizes.items():
         if size > limits[name]:
             return (

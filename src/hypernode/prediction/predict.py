@@ -12,6 +12,7 @@ from hypernode.data.measurement import correlation_window, relaxation
 from hypernode.fem.factors import factorise
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES
+from hypernode.identification import numerics
 from hypernode.identification.interfaces import Interfaces, Lines
 from hypernode.identification.observations import seen_points
 from hypernode.identification.points import Points
@@ -168,7 +169,7 @@ class _Member:
             for part in range(1, parts + 1):
                 guess = at + change / parts
                 guess[held] = u[held] + moved * part / parts
-                reached = self._sheet.equilibrium(guess, boundary.free, of, self._problem.strategy.newton_tolerance)
+                reached = self._sheet.equilibrium(guess, boundary.free, of, numerics.NEWTON_TOLERANCE)
                 if reached is None:
                     break
                 at = reached[0]
