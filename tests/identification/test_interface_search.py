@@ -7,9 +7,10 @@ import pytest
 
 from hypernode.config.methods import Constrained
 from hypernode.identification.interface_search import Search
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import turned
 from hypernode.identification.left_out import predict_left_out
+from hypernode.identification.lines import Lines
 from hypernode.identification.problem import field_problem
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.strategy import of_parts

@@ -8,7 +8,8 @@ import pytest
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
 from hypernode.identification import priors
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.points import Points
 from hypernode.identification.sheet import Sheet
 from hypernode.mechanics.convex_basis import ConvexBasis

@@ -10,8 +10,9 @@ import pytest
 from hypernode.config.methods import Constrained
 from hypernode.data.believed_noise import BelievedNoise
 from hypernode.identification import budgets
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch, translated
+from hypernode.identification.lines import Lines
 from hypernode.identification.trials import Trials
 from hypernode.mechanics.loads import make_load
 from tests.sheets import believed, observed_coarsely

@@ -8,7 +8,8 @@ import pytest
 from hypernode.fem.mesh import rectilinear
 from hypernode.fem.refinement import refine
 from hypernode.identification import thresholds
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.merging import _without_least_known, merged
 from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 

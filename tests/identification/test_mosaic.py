@@ -11,7 +11,7 @@ from hypernode.data.coarsening import coarsened
 from hypernode.identification import budgets
 from hypernode.identification.finer_grid import on_measured_grid
 from hypernode.identification.interface_numbers import held_of_materials
-from hypernode.identification.interfaces import Lines
+from hypernode.identification.lines import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.problem import field_problem
 from hypernode.identification.promising import promising

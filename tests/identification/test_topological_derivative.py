@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from hypernode.identification import budgets
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.seen_test import SeenTest
 from hypernode.identification.topological_derivative import rather, with_other_cells
 from hypernode.identification.trials import Trials, homogeneous_displacement, largest_and_half

@@ -53,9 +53,9 @@ class Settings:
     #: Standard deviation of the stiffness over itself: phases that differ by a fifth are then two of them apart, and
     #: zero stiffness is.
     spread: Threshold = Threshold(0.10, 0.50)
-    #: Standard uncertainty of the level of the stress: two of it are a tenth, more than phases that count differ by,
-    #: and a half.
-    level: Threshold = Threshold(0.05, 0.25)
+    #: Standard uncertainty of the level of the stress: two of it are a tenth, more than phases that count differ by; and
+    #: a tenth itself, by which one sheet in three is then off.
+    level: Threshold = Threshold(0.05, 0.10)
 
 
 SETTINGS = Settings()

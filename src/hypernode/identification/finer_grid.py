@@ -7,7 +7,8 @@ import numpy as np
 from hypernode.fem.transfer import transfer
 from hypernode.identification import budgets
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.mosaic import Mosaic
 from hypernode.identification.trials import Trials
 

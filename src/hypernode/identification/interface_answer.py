@@ -15,8 +15,8 @@ from hypernode.identification.equilibrium import State
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interface_numbers import bends_of, held_of
-from hypernode.identification.interfaces import Lines
 from hypernode.identification.law_search import LawSearch
+from hypernode.identification.lines import Lines
 from hypernode.identification.objective import Objective
 from hypernode.identification.observations import description_error
 from hypernode.identification.regulariser import JumpCost

@@ -16,8 +16,9 @@ from hypernode.identification import budgets
 from hypernode.identification.gauss_newton import IdentificationError
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch
+from hypernode.identification.lines import Lines
 from hypernode.identification.trials import Trials, homogeneous_displacement, largest_and_half
 
 

@@ -18,7 +18,8 @@ from hypernode.identification.contours import (
     at_contours,
     options_at_contours,
 )
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.sheet import CellMaterials
 
 

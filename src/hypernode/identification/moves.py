@@ -6,8 +6,9 @@ import numpy as np
 
 from hypernode.identification import budgets, numerics, thresholds
 from hypernode.identification.candidate import Candidate
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.law_search import LawSearch
+from hypernode.identification.lines import Lines
 from hypernode.identification.merging import merged
 from hypernode.identification.mosaic_search import MosaicSearch
 from hypernode.identification.parting import Parting

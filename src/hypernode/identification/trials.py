@@ -10,7 +10,8 @@ from hypernode.config.methods import Constrained
 from hypernode.identification import numerics, priors
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.interface_fit import InterfaceFit
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.problem import FieldProblem, field_problem, with_law
 from hypernode.identification.seen_test import SeenTest
 from hypernode.progress import say

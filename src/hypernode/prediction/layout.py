@@ -8,7 +8,8 @@ from jaxtyping import Float, Int
 
 from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.partition import levels
 from hypernode.prediction.errors import PredictionError
 from hypernode.prediction.laws import phase_laws

@@ -13,7 +13,8 @@ from hypernode.fem.factors import factorise
 from hypernode.fem.gradient import deformation_gradient
 from hypernode.fem.mesh import EDGE_NAMES
 from hypernode.identification import numerics
-from hypernode.identification.interfaces import Interfaces, Lines
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.observations import seen_points
 from hypernode.identification.points import Points
 from hypernode.identification.problem import FieldProblem, problem_of_basis
