@@ -182,6 +182,6 @@ def _as_predicted(judged: Criterion, deformation: float, settings: Settings) -> 
     if judged.value is None:
         return judged
     counted = limited(judged.name, "", deformation, settings.predicted).level
-    hardly = ", which hardly changes the stress" if counted is Level.PASSED else ""
+    hardly = ", within what an answer may be off" if counted is Level.PASSED else ""
     sentence = f"{judged.sentence} It amounts to {percent(deformation)} of the deformation{hardly}."
     return dataclasses.replace(judged, level=counted, sentence=sentence)

@@ -32,8 +32,8 @@ class Settings:
     #: extensometer of class 1 may miss after ISO 9513.
     deformation: float = 0.01
     #: Deformation of the largest load steps, over the largest of a test, by which a prediction from the others may miss
-    #: it beyond chance: as above, and as much as a stress is then wrong by at least.
-    predicted: Threshold = Threshold(0.01, 0.05)
+    #: it beyond chance: as much as an answer may be off and be right, and more than that.
+    predicted: Threshold = Threshold(0.03, 0.05)
     #: Share of the sheet, corners apart, in which displacements are not explained: a fiftieth of it changes no stress
     #: elsewhere, and what is not explained in a quarter of the sheet is not a place.
     places: Threshold = Threshold(0.02, 0.25)
@@ -53,8 +53,8 @@ class Settings:
     #: Standard deviation of the stiffness over itself: phases that differ by a fifth are then two of them apart, and
     #: zero stiffness is.
     spread: Threshold = Threshold(0.10, 0.50)
-    #: Standard uncertainty of the level of the stress: two of it are a tenth, more than phases that count differ by; and
-    #: a tenth itself, by which one sheet in three is then off.
+    #: Standard uncertainty of the level of the stress: two of it are a tenth, more than phases that count differ by. A
+    #: tenth itself is what one sheet in three is then off by.
     level: Threshold = Threshold(0.05, 0.10)
 
 

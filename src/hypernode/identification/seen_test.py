@@ -1,6 +1,5 @@
 """A test as materials and lines answer to it: equilibrium, residuals, what they share, and their derivatives."""
 
-import operator
 from collections.abc import Iterator, Sequence
 from typing import Protocol, runtime_checkable
 
@@ -8,7 +7,7 @@ import numpy as np
 import scipy.sparse
 from jaxtyping import Float
 
-from hypernode.fem.factors import Factors, factorise
+from hypernode.fem.factors import AT_ONCE, Factors, factorise
 from hypernode.identification import numerics, priors
 from hypernode.identification.answers import Answer, adjoint
 from hypernode.identification.coats import Cuts
@@ -170,7 +169,14 @@ class SeenTest:
 
     def jacobians(self, states, loads, sigma: float) -> Iterator[Float[np.ndarray, "residual number"]]:
         """Derivative of the residuals by numbers, of one step after the other: of :meth:`answers`, not kept."""
-        return map(operator.methodcaller("over", sigma), self.answers(states, loads))
+        for k, ((_, _, K), boundary, observe, forces) in enumerate(self._of_steps(states)):
+            free, load = boundary.free, loads[k].tocsc()
+            factors, J = self._factors(k, K, free), np.empty((len(boundary.seen) + len(forces), load.shape[1]))
+            for first in range(0, load.shape[1], AT_ONCE):
+                some = slice(first, first + AT_ONCE)
+                J[:, some] = Answer.of(factors, K, load[:, some], free, observe, forces).over(sigma)
+            yield J
+            del J
 
     def adjoint(self, states, loads, sigma: float, residuals) -> Float[np.ndarray, "number column"]:
         """J^T of columns of the residuals of all steps.
