@@ -1,7 +1,6 @@
 """A sheet whose cells are each of one of a few materials: a mosaic, as finite elements or a printer's voxels make it.
 
-No line cuts a cell. Which material a cell is of changes by whole cells. What a change does to the test is linearised
-where every cell that may change is a mixture of what it may be. So one model holds on both sides.
+No line cuts a cell. Which material a cell is of changes by whole cells.
 """
 
 import dataclasses
@@ -13,11 +12,7 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 from hypernode.identification import priors
 from hypernode.identification.coats import Cut, Cuts, layers_of
-from hypernode.identification.contours import (
-    Options,
-    at_contours,
-    options_at_contours,
-)
+from hypernode.identification.contours import Options, at_contours, options_at_contours
 from hypernode.identification.interfaces import Interfaces
 from hypernode.identification.lines import Lines
 from hypernode.identification.sheet import CellMaterials
@@ -74,10 +69,8 @@ class Mosaic(Interfaces):
     def merged(self, one: int, other: int) -> "Mosaic":
         """The same with what is of the later of two materials given to the earlier one."""
         one, other = sorted((one, other))
-        labels = np.where(self.of_cells == other, one, self.of_cells)
-        return dataclasses.replace(
-            self, materials=np.delete(self.materials, other, axis=0), of_cells=labels - (labels > other)
-        )
+        given = None if self.given is None else np.where(self.given == other, one, self.given)
+        return dataclasses.replace(self, given=given).with_labels(np.where(self.of_cells == other, one, self.of_cells))
 
     def options(self) -> Options:
         """Cells at contours may be of what they touch."""
