@@ -8,7 +8,6 @@ import copy
 import functools
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
@@ -36,8 +35,10 @@ class FieldProblem:
 
     Attributes:
         basis: the law whose parameters the field holds, a convex basis unless said otherwise.
-        homogeneous: the homogeneous material that the test is closest to, fitted when it is first asked for.
         forces: measured resultants.
+
+    Args:
+        fit: of the homogeneous material; left out where no descent begins at it.
     """
 
     def __init__(
@@ -45,26 +46,33 @@ class FieldProblem:
         *,
         observations: Observations,
         basis: PointLaw,
-        equilibrium: FieldEquilibrium,
-        fit: Callable[[], Homogeneous] | None = None,
         forces: list[EdgeForce],
+        fit: Callable[["FieldProblem"], Homogeneous] | None = None,
     ):
-        self.observations, self.basis, self.equilibrium = observations, basis, equilibrium
-        self._fit, self.forces = fit, forces
+        self.observations, self.basis, self.forces, self._fit = observations, basis, forces, fit
         self._mean = jnp.asarray(observations.mean_F), observations.loading.scale
         # Terms differ by how steps differ, in directions that noise hides; without it they decide where a step leads.
         self._shares = self._shares_of_steps()
-        cells, count = len(self.mesh.cells), len(basis.names)
-        self._filled = filled(cells)
-        self._geometry = [np.asarray(each)[self._filled] for each in equilibrium.shape_gradients]
-        self._rows = np.repeat(self.mesh.dofs[:, :, None], count, axis=2).ravel()
-        columns = np.arange(cells)[:, None] * count + np.arange(count)
-        self._columns = np.repeat(columns[:, None], 8, axis=1).ravel()
 
-    @property
+    @functools.cached_property
+    def equilibrium(self) -> FieldEquilibrium:
+        """Finite elements of the sheet, every cell a material of its own; made when they are first asked for."""
+        return FieldEquilibrium.of(self.observations, self.basis)
+
+    @functools.cached_property
+    def _elements(self):
+        """(cells as many as are compiled for, their shape gradients, rows and columns of :meth:`linearise`)."""
+        cells, count = len(self.mesh.cells), len(self.basis.names)
+        every = filled(cells)
+        geometry = [np.asarray(each)[every] for each in self.equilibrium.shape_gradients]
+        rows = np.repeat(self.mesh.dofs[:, :, None], count, axis=2).ravel()
+        columns = np.arange(cells)[:, None] * count + np.arange(count)
+        return every, geometry, rows, np.repeat(columns[:, None], 8, axis=1).ravel()
+
+    @functools.cached_property
     def homogeneous(self) -> Homogeneous | None:
         """The homogeneous material that the test is closest to; None where no descent begins at it."""
-        return None if self._fit is None else self._fit()
+        return None if self._fit is None else self._fit(self)
 
     @property
     def refinement(self) -> Refinement:
@@ -123,6 +131,7 @@ class FieldProblem:
         """The same with some of its load steps: their displacements, forces and boundaries, as uncertain as before."""
         place = {int(step): number for number, step in enumerate(steps)}
         other = copy.copy(self)
+        other._fit = lambda _: self.homogeneous
         other.observations = self.observations.of_steps(steps)
         other.equilibrium = self.equilibrium.under_boundaries(other.observations.boundaries)
         other.forces = [replace(force, step=place[force.step]) for force in self.forces if force.step in place]
@@ -146,10 +155,11 @@ class FieldProblem:
         shape = (self.mesh.nodes.size, params.size)
         tangents = self.equilibrium.tangents(params, [state.u for state in states])
         params, steps = self.equilibrium.of_sheet(params), []
+        every, geometry, rows, columns = self._elements
         for number, (state, K, boundary) in enumerate(zip(states, tangents, self.observations.boundaries, strict=True)):
-            given = state.u[self.mesh.cells][self._filled], params[self._filled], *self._geometry
+            given = state.u[self.mesh.cells][every], params[every], *geometry
             cellwise = np.asarray(cell_sensitivity(self.basis)(*given))[: len(params)]
-            B = scipy.sparse.csr_matrix((cellwise.ravel(), (self._rows, self._columns)), shape)
+            B = scipy.sparse.csr_matrix((cellwise.ravel(), (rows, columns)), shape)
             forces = [(force.direction, force.sigma) for force in self.forces if force.step == number]
             seen = boundary.observe / sigma
             steps.append(StepJacobian(K=K, B=B, free=state.free, observe=seen, forces=forces, errors=boundary.errors))
@@ -176,25 +186,18 @@ def field_problem(
     observations = observe(measurement, subcells, floor, at_lines)
     stretch = observations.largest_stretch
     basis = ConvexBasis(tuple(settings.terms), 2.0 * stretch**2 + stretch**-4 - 3.0)
-    equilibrium = FieldEquilibrium.of(observations, basis)
     return FieldProblem(
         observations=observations,
         basis=basis,
-        equilibrium=equilibrium,
-        # All problems that are made of this one share the fit.
-        fit=functools.cache(partial(fit_homogeneous, observations, basis, equilibrium)),
         forces=_forces(measurement, observations, settings),
+        fit=lambda own: fit_homogeneous(own.observations, own.basis, own.equilibrium),
     )
 
 
 def with_law(problem: FieldProblem, law: PointLaw) -> FieldProblem:
     """The same test of a sheet of another law; the homogeneous fit stays that of the first."""
     return FieldProblem(
-        observations=problem.observations,
-        basis=law,
-        equilibrium=FieldEquilibrium.of(problem.observations, law),
-        fit=problem._fit,
-        forces=problem.forces,
+        observations=problem.observations, basis=law, forces=problem.forces, fit=lambda _: problem.homogeneous
     )
 
 
@@ -213,9 +216,8 @@ def problem_of_basis(
         basis: the law; a convex basis has the scale of the identification that made the field.
     """
     observations = observe(measurement, subcells, floor, at_lines)
-    equilibrium = FieldEquilibrium.of(observations, basis)
     forces = _forces(measurement, observations, settings)
-    return FieldProblem(observations=observations, basis=basis, equilibrium=equilibrium, forces=forces)
+    return FieldProblem(observations=observations, basis=basis, forces=forces)
 
 
 def _forces(measurement, observations: Observations, settings: Constrained) -> list[EdgeForce]:
