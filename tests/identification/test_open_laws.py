@@ -9,6 +9,7 @@ import pytest
 from hypernode.config.methods import Constrained
 from hypernode.evaluation.doubt import farther_half
 from hypernode.identification import open_laws as laws_left_open
+from hypernode.identification.force_course import ImpossibleForcesError
 from hypernode.identification.open_laws import open_laws, terms_left
 from hypernode.identification.strategy import of_parts
 from hypernode.identification.volume import Parts, of_either, with_area
@@ -102,6 +103,21 @@ def test_laws_with_a_volume_are_not_sought_again_where_they_were_far_off(keeps_v
 
     assert of_either(SETTINGS, search, lambda settings: cells) is cells
     assert len(laws) == sought
+
+
+def test_forces_that_no_law_with_a_volume_gives_are_no_reason_against_other_laws():
+    cells = SimpleNamespace(underfitted=True)
+
+    def search(settings):
+        if "J" in settings.terms:
+            raise ImpossibleForcesError("no sheet gives them")
+        return Parts(None, False)
+
+    def in_cells(settings):
+        search(settings)
+        return cells
+
+    assert of_either(SETTINGS, search, in_cells) is cells
 
 
 @pytest.mark.parametrize(("volume", "terms"), [("kept", ["I1_squared"]), ("told", ["J"])])
