@@ -49,5 +49,13 @@ def check_forces(problem_of: Callable[..., FieldProblem], settings: Constrained,
     )
 
 
+def unless_impossible(search: Callable):
+    """What a search finds; None where no sheet of its laws gives the forces, as sheets of other laws may."""
+    try:
+        return search()
+    except ImpossibleForcesError:
+        return None
+
+
 def _shown(tensor, known) -> str:
     return "(" + ", ".join(f"{tensor[i, J]:.3g}" for i, J in zip(*np.nonzero(known), strict=True)) + ")"

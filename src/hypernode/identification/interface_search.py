@@ -20,7 +20,7 @@ from hypernode.identification.beside import Beside
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.common_trend import with_common_trend
 from hypernode.identification.finer_grid import on_measured_grid
-from hypernode.identification.force_course import check_forces
+from hypernode.identification.force_course import check_forces, unless_impossible
 from hypernode.identification.interface_answer import answer
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.missing import with_what_is_missing
@@ -176,7 +176,7 @@ class Search:
         say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
         settings = with_area(trials.settings)
         search = Search(trials.measurement, settings, trials.name, coarse=self._coarse)
-        found = search.found()
+        found = unless_impossible(search.found)
         if found is None or found[1].fit.misfit > kept.fit.misfit:
             trials.after(search._trials)
             if found is not None:

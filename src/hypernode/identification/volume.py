@@ -14,7 +14,7 @@ from hypernode.identification import budgets, thresholds
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
-from hypernode.identification.force_course import ImpossibleForcesError
+from hypernode.identification.force_course import unless_impossible
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.law_search import OF_THICKNESS, LawSearch, translated
 from hypernode.identification.trials import Trials
@@ -107,19 +107,11 @@ def of_either(
     found, keeps_volume = parts(settings)
     other = None if keeps_volume else with_area(settings)
     if found is None and other is not None:
-        found = _unless_impossible(lambda: parts(other).found)
+        found = unless_impossible(lambda: parts(other).found)
     if found is not None:
         return found
     kept = cells(settings)
     if other is None or not settings.layers or not kept.underfitted:
         return kept
-    more = _unless_impossible(lambda: cells(other.model_copy(update={"further_terms": []})))
+    more = unless_impossible(lambda: cells(other.model_copy(update={"further_terms": []})))
     return kept if more is None else likeliest(kept, more)
-
-
-def _unless_impossible(search: Callable[[], Estimate | None]) -> Estimate | None:
-    """What a search finds; None where no sheet of its laws gives the forces, as sheets of other laws may."""
-    try:
-        return search()
-    except ImpossibleForcesError:
-        return None
