@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse
+import scipy.sparse.csgraph
 from jaxtyping import Bool, Float, Int
 
 from hypernode.fem.mesh import Mesh
@@ -44,12 +45,17 @@ def options_at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Options
 
 def options_of(mesh: Mesh, cell: Int[np.ndarray, " option"], label: Int[np.ndarray, " option"]) -> Options:
     """These changes, and which of them are of neighbouring cells."""
-    touching = mesh.touching()
-    both, count = np.concatenate([touching, touching[:, ::-1]]), len(mesh.cells)
-    member = scipy.sparse.csr_matrix((np.ones(len(cell)), (np.arange(len(cell)), cell)), (len(cell), count))
-    adjacent = scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (count, count))
-    near = scipy.sparse.triu(member @ adjacent @ member.T, 1).tocoo()
+    member = (np.ones(len(cell)), (np.arange(len(cell)), cell))
+    member = scipy.sparse.csr_matrix(member, (len(cell), len(mesh.cells)))
+    near = scipy.sparse.triu(member @ touching_of(mesh) @ member.T, 1).tocoo()
     return Options(cell, label, np.stack([near.row, near.col], axis=1))
+
+
+def begin_regions(mesh: Mesh, labels: Int[np.ndarray, " cell"], options: Options) -> Bool[np.ndarray, " option"]:
+    """Which options would be regions of their own: their cells touch none of that label."""
+    count = 1 + max(labels.max(), options.label.max(initial=0))
+    near = touching_of(mesh)[options.cell] @ np.eye(count)[labels]
+    return near[np.arange(len(options.cell)), options.label] == 0.0
 
 
 def at_contours(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Bool[np.ndarray, " cell"]:
@@ -67,7 +73,7 @@ class ContourModel:
     Attributes:
         options: the changes.
         gradient, curvature: of the misfit by the options, as if they were real numbers from 0 to 1.
-        lengths: length of interface between every two neighbours (cell, cell).
+        lengths: what sides between cells cost (cell, cell).
     """
 
     options: Options
@@ -93,6 +99,21 @@ class ContourModel:
             curvature=curvature[:count, :count] - across @ follow[:, :-1],
             lengths=lengths,
         )
+
+
+def touching_of(mesh: Mesh) -> scipy.sparse.csr_matrix:
+    """1 for cells that touch at a side or a corner (cell, cell)."""
+    pairs = mesh.touching()
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    return scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (len(mesh.cells),) * 2)
+
+
+def regions_of(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
+    """Number of the region of every cell: of touching cells of one label."""
+    pairs = mesh.touching()
+    alike = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
+    joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), (len(labels),) * 2)
+    return scipy.sparse.csgraph.connected_components(joined, directed=False)[1]
 
 
 def sides_of(mesh: Mesh) -> scipy.sparse.csr_matrix:

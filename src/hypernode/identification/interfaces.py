@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from hypernode.fem.contour import ContourLines
 from hypernode.identification import numerics
 from hypernode.identification.coats import Cuts, laid, layers_of
-from hypernode.identification.contours import Options, options_of, sides_of
+from hypernode.identification.contours import Options, begin_regions, options_of, regions_of, sides_of
 from hypernode.identification.gradual import Splines, loads_of_change, turned
 from hypernode.identification.lines import Lines
 from hypernode.identification.sheet import CellMaterials, CellResponse, Sheet
@@ -62,8 +62,12 @@ class Interfaces:
 
     @property
     def places(self) -> float:
-        """Logarithm of the number of places where lines might be."""
-        return len(self.distances) * float(np.log(len(self.lines.grid.mesh.cells)))
+        """Logarithm of the number of places where regions might be that lines bound."""
+        return int(regions_of(self.lines.grid.mesh, self.labels()).max()) * self._place
+
+    @property
+    def _place(self) -> float:
+        return float(np.log(len(self.lines.grid.mesh.cells)))
 
     def cells(self) -> tuple[CellMaterials, Cuts]:
         """(what every cell of the finite elements is of, the lines that cut each pair of its layers)."""
@@ -223,8 +227,8 @@ class Interfaces:
         return options_of(self.lines.grid.mesh, *np.nonzero(self.labels()[:, None] != np.arange(self.count)))
 
     def dearer(self, options: Options) -> Float[np.ndarray, " option"]:
-        """What each option costs beside the length of contours: nothing."""
-        return np.zeros(len(options.cell))
+        """What each option costs beside the length of contours: its place, where it touches no cell of that label."""
+        return begin_regions(self.lines.grid.mesh, self.labels(), options) * self._place
 
     @property
     def sides(self) -> scipy.sparse.csr_matrix:
@@ -235,15 +239,9 @@ class Interfaces:
         """The field with pieces of materials in the cells whose label is another one."""
         before, distances = self.labels(), self.distances.copy()
         for cell in np.flatnonzero(labels != before):
-            piece = numerics.PIECE_REACH - self._from_centre(cell)
+            piece = numerics.PIECE_REACH - self.lines.from_centre(cell)
             for k in range(max(labels[cell], 1), self.count):
                 # What is laid later would hide the piece.
                 own = k == labels[cell]
                 distances[k - 1] = np.maximum(distances[k - 1], piece) if own else np.minimum(distances[k - 1], -piece)
         return dataclasses.replace(self, distances=distances).measured_anew(1)
-
-    def _from_centre(self, cell: int) -> Float[np.ndarray, " node"]:
-        """Distance of every node of the grid from the centre of a cell, in sides of cells."""
-        mesh = self.lines.grid.mesh
-        places = np.stack(np.divmod(mesh.places, len(mesh.lines[0])), axis=1)
-        return np.linalg.norm(places - places[mesh.cells[cell]].mean(axis=0), axis=1)

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import scipy.sparse
+from jaxtyping import Float
 
 from hypernode.fem.contour import ContourLines
 from hypernode.fem.mesh import Mesh
@@ -40,3 +41,9 @@ class Lines:
             return found
         splines = None if like.splines is None else Splines.of(grid, refinement.mesh, like.splines.bend)
         return dataclasses.replace(found, apart=like.apart, splines=splines, as_one=like.as_one)
+
+    def from_centre(self, cell: int) -> Float[np.ndarray, " node"]:
+        """Distance of every node of the grid from the centre of a cell, in sides of cells."""
+        mesh = self.grid.mesh
+        places = np.stack(np.divmod(mesh.places, len(mesh.lines[0])), axis=1)
+        return np.linalg.norm(places - places[mesh.cells[cell]].mean(axis=0), axis=1)

@@ -45,7 +45,7 @@ class Mosaic(Interfaces):
             return self.code + self._change * int((self.of_cells != self.given).sum())
         sides, _, _ = mesh.neighbours()
         apart = int((self.of_cells[sides[:, 0]] != self.of_cells[sides[:, 1]]).sum())
-        return priors.CONTOUR_SIDE * apart + (self.count - 1) * float(np.log(len(mesh.cells)))
+        return priors.CONTOUR_SIDE * apart + super().places
 
     @property
     def _change(self) -> float:

@@ -1,12 +1,11 @@
 """A field of stiffness, cut into a few parts: where a search for materials and lines begins."""
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.csgraph
 from jaxtyping import Float, Int
 
 from hypernode.fem.mesh import Mesh
 from hypernode.identification import budgets, thresholds
+from hypernode.identification.contours import regions_of
 from hypernode.identification.interfaces import Interfaces
 
 
@@ -65,9 +64,7 @@ def levels(values: Float[np.ndarray, " cell"], count: int) -> Float[np.ndarray, 
 def without_small(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
     """Labels in which every part of few touching cells has the label that most cells around it have."""
     pairs, labels = mesh.touching(), labels.copy()
-    alike = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
-    joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), 2 * (len(labels),))
-    _, part = scipy.sparse.csgraph.connected_components(joined, directed=False)
+    part = regions_of(mesh, labels)
     small = np.flatnonzero(np.bincount(part) < thresholds.FEWEST_CELLS)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     for number in small:

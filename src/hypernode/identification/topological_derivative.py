@@ -69,7 +69,8 @@ def rather(test: SeenTest, field: Interfaces, states) -> Int[np.ndarray, " cell"
     columns, sigma = np.append(some, np.ones(len(held), bool)), test.sigma_of(states)
     jacobians = test.jacobians(states, [load[:, columns] for load in loads], sigma)
     normal = test.shared(states, sigma).normal(jacobians, test.residuals(states, sigma))
-    model = ContourModel.followed(options.those(some), *normal, held, dear[some], field.sides)
+    options = options.those(some)
+    model = ContourModel.followed(options, *normal, held, dear[some], field.sides)
     return relabelled(field.labels(), model)
 
 
