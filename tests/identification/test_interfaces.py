@@ -43,6 +43,19 @@ def test_materials_that_are_nowhere_are_left_out_when_distances_are_measured_ane
         np.testing.assert_array_equal(found.materials[found.labels()], field.materials[field.labels()])
 
 
+def test_every_region_pays_for_its_place_and_a_cell_that_touches_one_does_not_begin_another():
+    discs = np.maximum(1.6 - np.hypot(X - 3.0, Y - 3.0), 1.6 - np.hypot(X - 8.0, Y - 8.0))
+    one, two = coats(1.6 - np.hypot(X - 3.0, Y - 3.0)), coats(discs)
+    assert coats().places == 0.0
+    assert two.places == pytest.approx(2.0 * one.places) and one.places == pytest.approx(np.log(100.0))
+    options = one.options()
+    begins = np.zeros(100, bool)
+    begins[options.cell[one.dearer(options) > 0.0]] = True
+    x, y = GRID.centres.T
+    # All cells of the disc touch others, and so do those around it.
+    assert not begins[np.hypot(x - 3.0, y - 3.0) < 2.0].any() and begins[np.hypot(x - 3.0, y - 3.0) > 3.5].all()
+
+
 def area_of(field, material):
     """Share of the sheet."""
     of, _ = field.cells()
