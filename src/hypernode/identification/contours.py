@@ -103,24 +103,25 @@ class ContourModel:
 
 def touching_of(mesh: Mesh) -> scipy.sparse.csr_matrix:
     """1 for cells that touch at a side or a corner (cell, cell)."""
-    pairs = mesh.touching()
-    both = np.concatenate([pairs, pairs[:, ::-1]])
-    return scipy.sparse.csr_matrix((np.ones(len(both)), both.T), (len(mesh.cells),) * 2)
+    return _of_pairs(mesh, mesh.touching(), 1.0)
 
 
 def regions_of(mesh: Mesh, labels: Int[np.ndarray, " cell"]) -> Int[np.ndarray, " cell"]:
     """Number of the region of every cell: of touching cells of one label."""
     pairs = mesh.touching()
     alike = pairs[labels[pairs[:, 0]] == labels[pairs[:, 1]]]
-    joined = scipy.sparse.csr_matrix((np.ones(len(alike)), alike.T), (len(labels),) * 2)
-    return scipy.sparse.csgraph.connected_components(joined, directed=False)[1]
+    return scipy.sparse.csgraph.connected_components(_of_pairs(mesh, alike, 1.0), directed=False)[1]
 
 
 def sides_of(mesh: Mesh) -> scipy.sparse.csr_matrix:
     """What sides between cells cost (cell, cell)."""
-    sides, _, _ = mesh.neighbours()
-    both = np.concatenate([sides, sides[:, ::-1]])
-    return scipy.sparse.csr_matrix((np.full(len(both), priors.CONTOUR_SIDE), both.T), (len(mesh.cells),) * 2)
+    return _of_pairs(mesh, mesh.neighbours()[0], priors.CONTOUR_SIDE)
+
+
+def _of_pairs(mesh: Mesh, pairs: Int[np.ndarray, "pair 2"], value: float) -> scipy.sparse.csr_matrix:
+    """A value for both cells of every pair (cell, cell)."""
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    return scipy.sparse.csr_matrix((np.full(len(both), value), both.T), (len(mesh.cells),) * 2)
 
 
 def relabelled(labels: Int[np.ndarray, " cell"], model: ContourModel) -> Int[np.ndarray, " cell"]:

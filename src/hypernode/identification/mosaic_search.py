@@ -143,10 +143,7 @@ class MosaicSearch:
         return best
 
     def _settled(self, kept: Candidate) -> Candidate:
-        """The same once no cell at a contour would rather be of another material.
-
-        What is left of displacements that is no more than the solver leaves says nothing of cells.
-        """
+        """The same once no cell at a contour would rather be of another material, and its descent has ended."""
         for _ in range(budgets.OTHER_CELLS_ROUNDS):
             kept = with_other_cells(self._trials, kept, self._steps, False)
             if (more := self._further(kept)) is None:

@@ -23,7 +23,8 @@ from hypernode.identification.trials import Trials
 def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_window: bool) -> Candidate:
     """A candidate once no cell would rather be of another of its materials.
 
-    All cells that would are tried together, and the lines move.
+    All cells that would are tried together, and the lines move. What is left of displacements that is no more than the
+    solver leaves says nothing of cells.
 
     Args:
         steps: load steps that count.
