@@ -38,8 +38,8 @@ class Pretraining(Optimiser):
     """The stage in which the hyper-network learns a target everywhere."""
 
     tolerance: Positive = 0.006
-    """Relative error of the stress against that of the constrained field beyond which the network is trained again:
-    once from where it is, then from other random weights. The best is kept."""
+    """Relative error of the stress against that of the constrained field, in its worst load step or mode, beyond which
+    Gauss-Newton steps go on, and then another training begins from other random weights. The best is kept."""
     rounds: Count = 3
     """How often it is trained at most."""
 

@@ -30,8 +30,10 @@ class NodeMaterial:
     a fibre term exists).
 
     Without the term J the sheet is incompressible. With it the energy, whatever the thickness does, is a sum of
-    functions of tr C - 2 and of J - 1 in the plane. A constant part c of dPsi/dI1 brings -2 c J, so that the undeformed
-    sheet is free of stress. Then c (tr C - 2 J) is the energy of shear alone, and the term J that of area.
+    functions of tr C - 2 and of J in the plane. A constant part c of dPsi/dI1 brings -2 c J, so that the undeformed
+    sheet is free of stress. Then c (tr C - 2 J) is the energy of shear alone, and the term J that of area. Its neural
+    ODE acts on (1 - J^-3) / 3, which is its derivative where the sheet keeps its volume and is neo-Hookean. On J - 1
+    it would be odd, and no area resists its growth as it does its loss.
 
     Attributes:
         terms: names in :data:`TERMS`.
@@ -139,7 +141,7 @@ class NodeMaterial:
         alpha = jax.nn.sigmoid(mixture)
         shifted = {name: getattr(I, name) - value for name, value in INVARIANTS.items()}
         if self.compressible:
-            shifted["I1"] = in_plane_trace(I) - 2.0
+            shifted |= {"I1": in_plane_trace(I) - 2.0, "J": (1.0 - I.J**-3) / 3.0}
         powers = {name: power for name, power in stretch_powers(I).items() if name in self.terms}
         shifted |= {name: value for name, (value, _, _) in powers.items()}
         inputs, shares = [], []

@@ -6,7 +6,7 @@ import xarray as xr
 
 #: Version of the names and dimensions below. A file of another version is refused: a variable of the same name may mean
 #: something else in it.
-SCHEMA_VERSION = 5
+SCHEMA_VERSION = 6
 #: Variables that only a synthetic case has, because only there the truth is known.
 TRUTH = ("u_truth", "F_truth", "phase")
 #: Dimension -> what one index along it is.

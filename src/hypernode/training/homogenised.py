@@ -15,7 +15,7 @@ from hypernode.fem.mesh import Mesh
 from hypernode.material.laws import node_stress
 from hypernode.material.node_material import NodeMaterial
 from hypernode.mechanics.kinematics import invariants
-from hypernode.training.loop import Fit, data_as_arguments, minimise
+from hypernode.training.loop import Fit, compiled, minimise
 
 
 class Homogenised(NamedTuple):
@@ -86,5 +86,4 @@ def fit_homogenised(
         return jnp.mean(known * ((predicted(params) - target) / scale) ** 2) + ridge
 
     fit = minimise(loss, start, method.homogenised, stage="homogenised NODE", case=name, seed=method.seed)
-    evaluate, data = data_as_arguments(predicted, fit.params)
-    return Homogenised(node, fit, np.asarray(jax.jit(evaluate)(data, fit.params)))
+    return Homogenised(node, fit, np.asarray(compiled(predicted)(fit.params)))

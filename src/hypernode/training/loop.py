@@ -39,6 +39,19 @@ def data_as_arguments(function: Callable, *arguments):
     return evaluate, traced.consts
 
 
+def compiled(function: Callable) -> Callable:
+    """The same function of arrays, compiled where it is first called by :func:`data_as_arguments`."""
+    made = []
+
+    def call(*arguments):
+        if not made:
+            evaluate, data = data_as_arguments(function, *arguments)
+            made.extend((jax.jit(evaluate), data))
+        return made[0](made[1], *arguments)
+
+    return call
+
+
 class Fit(NamedTuple):
     """Where a training ended.
 

@@ -5,7 +5,7 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from hypernode.material.laws import node_stress
 from hypernode.material.node_material import NodeMaterial
@@ -27,17 +27,20 @@ class Target:
     known: jax.Array
     scale: jax.Array
 
+    def missed(self, node: NodeMaterial, node_params):
+        """What the stress of the cells with the given parameters misses, every case over its unit."""
+        return self.known * (node_stress(node, self.F, node_params) / self.scale[:, None] - self.P)
+
     def misfit(self, node: NodeMaterial, node_params):
         """Mean squared relative error of the stress of the cells with the given parameters."""
-        P = node_stress(node, self.F, node_params) / self.scale[:, None]
-        return jnp.mean(self.known * (P - self.P) ** 2)
+        return jnp.mean(self.missed(node, node_params) ** 2)
 
-    def relative_error(self, node: NodeMaterial, node_params) -> float:
-        """Relative L2 error of the stress of the cells with the given parameters, every case over its unit."""
-        P = node_stress(node, self.F, node_params) / self.scale[:, None]
-        return float(jnp.sqrt(jnp.sum(self.known * (P - self.P) ** 2) / jnp.sum(self.known * self.P**2)))
+    def errors(self, node: NodeMaterial, node_params) -> Float[jax.Array, " case"]:
+        """Relative L2 error of the stress of the cells with the given parameters in every case."""
+        sums = [jnp.sum(each**2, axis=(0, 1, 3)) for each in (self.missed(node, node_params), self.known * self.P)]
+        return jnp.sqrt(sums[0] / sums[1])
 
-    def ordered(self, cells: Int[np.ndarray, " cell"]) -> "Target":
+    def of(self, cells: Int[np.ndarray, " cell"]) -> "Target":
         """The target of these cells, in their order."""
         return dataclasses.replace(self, F=self.F[..., cells], P=self.P[..., cells])
 
