@@ -7,9 +7,13 @@ import xarray as xr
 from hypernode.config.methods import Constrained
 from hypernode.fem.transfer import transfer
 from hypernode.identification import numerics
+from hypernode.identification.interface_numbers import numbers_of
+from hypernode.identification.interfaces import Interfaces
+from hypernode.identification.lines import Lines
 from hypernode.identification.problem import field_problem
 from hypernode.identification.resultants import shared_errors
 from hypernode.identification.sensitivities import quadrature
+from hypernode.mechanics.convex_basis import RIGID
 from hypernode.mechanics.loads import make_load
 from tests.sheets import sheet, square
 
@@ -49,6 +53,20 @@ def test_the_adjoint_is_the_derivative_of_the_misfit(kind, window, subcells, mon
     np.testing.assert_allclose(
         linear.curvature(change), J.T @ (J @ change), rtol=1e-10, atol=1e-12 * np.abs(J).max() ** 2
     )
+
+
+def test_no_material_is_more_than_rigid_beside_the_sheet_nor_less_than_hardly_there():
+    """However far a step would lead, and along other numbers that have bounds as well."""
+    data, _, _ = sheet(5, square, make_load("clamped_y", [1.1, 1.2]), noise=1e-3)
+    problem = field_problem(data, Constrained(terms=["I1_squared"]))
+    lines = Lines.of(problem.observations.grid, problem.refinement)
+    field = Interfaces.homogeneous(lines, problem.homogeneous.params)
+    numbers = numbers_of(problem, field, field.still, None)
+    for change in (50.0, -50.0):
+        y = numbers.after(np.full(len(numbers.y), change), problem.basis)
+        level, coefficient = y - [problem.homogeneous.params[0], 0.0]
+        assert abs(level) <= np.log(RIGID) * (1.0 + 1e-9)
+        assert problem.basis.lowest[1] <= coefficient <= problem.basis.highest[1]
 
 
 def test_every_test_of_a_heterogeneous_sheet_is_described_by_itself_so_that_forces_keep_their_noise():

@@ -1,4 +1,4 @@
-"""Steps of a few numbers, some of which have a least value."""
+"""Steps of a few numbers, some of which have bounds."""
 
 import numpy as np
 import pytest
@@ -6,12 +6,13 @@ import pytest
 from hypernode.identification import budgets, numerics
 from hypernode.identification.projected_newton import projected_steps
 
-FREE = np.full(2, -np.inf)
+FREE = np.array([[-np.inf] * 2, [np.inf] * 2])
+POSITIVE = np.array([[0.0, -np.inf], [np.inf] * 2])
 
 
-def first(x, gradient, curvature, lowest=FREE, floor=(0.0, 0.0)):
+def first(x, gradient, curvature, bounds=FREE, floor=(0.0, 0.0)):
     """(where the first step leads, what it should gain)."""
-    arrays = (np.asarray(each, dtype=float) for each in (x, gradient, curvature, lowest, floor))
+    arrays = (np.asarray(each, dtype=float) for each in (x, gradient, curvature, bounds, floor))
     return next(projected_steps(*arrays))[:2]
 
 
@@ -26,7 +27,7 @@ def test_a_number_at_its_least_value_stays_and_the_others_go_to_their_best_besid
     A, x, goal = np.array([[2.0, 0.9], [0.9, 1.0]]), np.array([0.0, 0.4]), np.array([-0.5, 0.1])
     gradient = A @ (x - goal)
     assert gradient[0] > 0.0
-    reached, _ = first(x, gradient, A, lowest=[0.0, -np.inf])
+    reached, _ = first(x, gradient, A, bounds=POSITIVE)
     np.testing.assert_allclose(reached, [0.0, x[1] - gradient[1] / A[1, 1]])
 
 
@@ -34,13 +35,21 @@ def test_what_has_no_slope_at_its_least_value_holds_up_no_other_number():
     gradient, A = np.array([5.0, 0.4]), np.diag([1e-9, 1.0])
     held_up, _ = first([0.0, 0.0], gradient, A)
     assert abs(held_up[1]) < 1e-6
-    reached, _ = first([0.0, 0.0], gradient, A, lowest=[0.0, -np.inf])
+    reached, _ = first([0.0, 0.0], gradient, A, bounds=POSITIVE)
     np.testing.assert_allclose(reached, [0.0, -0.4])
 
 
 def test_a_number_at_its_least_value_leaves_it_where_the_cost_falls_upwards():
-    reached, _ = first([0.0, 0.0], [-0.3, 0.0], np.eye(2), lowest=[0.0, -np.inf])
+    reached, _ = first([0.0, 0.0], [-0.3, 0.0], np.eye(2), bounds=POSITIVE)
     np.testing.assert_allclose(reached, [0.3, 0.0])
+
+
+def test_a_number_at_its_largest_value_stays_and_the_others_go_without_it():
+    bounds = np.array([[-np.inf] * 2, [1.0, np.inf]])
+    reached, _ = first([1.0, 0.0], [-0.5, -0.2], np.array([[2.0, 0.9], [0.9, 1.0]]), bounds=bounds)
+    np.testing.assert_allclose(reached, [1.0, 0.2])
+    reached, _ = first([1.0, 0.0], [0.5, 0.0], np.eye(2), bounds=bounds)
+    np.testing.assert_allclose(reached, [0.5, 0.0])
 
 
 def test_later_steps_are_shorter_or_more_damped_and_none_is_longer_than_the_largest():

@@ -67,6 +67,7 @@ def test_a_piece_of_either_material_is_found_where_no_line_leads(truth, place, s
 
 def test_no_cell_changes_where_all_are_right():
     trials, steps, kept = begun(disc, disc)
-    labels = rather(SeenTest(kept.problem, steps, kept.fit.window), kept.fit.field, kept.fit.states)
+    test = SeenTest(kept.problem, steps, kept.fit.window)
+    labels = rather(test, kept.fit.field, test.with_tangents(kept.fit.field, kept.fit.states))
     assert np.array_equal(labels, kept.fit.field.labels())
     assert with_other_cells(trials, kept, steps, False) is kept

@@ -12,7 +12,7 @@ from hypernode.identification.estimate import Estimate
 from hypernode.identification.objective import Objective
 from hypernode.identification.problem import FieldProblem
 from hypernode.identification.regulariser import JumpCost, Regulariser, unit_length
-from hypernode.mechanics.convex_basis import FIBRE_VECTOR, RIGID
+from hypernode.mechanics.convex_basis import FIBRE_VECTOR
 from hypernode.progress import Progress, say
 from hypernode.verdict import Ending
 
@@ -170,15 +170,6 @@ def descend(
     return estimate
 
 
-def _bounds(problem: FieldProblem):
-    """(least, largest) parameters: beyond a level that is rigid beside the sheet's, or hardly there, no test tells."""
-    highest = problem.basis.highest
-    lowest = np.full(len(highest), -np.inf)
-    level = problem.homogeneous.params[0]
-    lowest[0], highest[0] = level - np.log(RIGID), level + np.log(RIGID)
-    return lowest, highest
-
-
 def described(problem: FieldProblem) -> str:
     """The terms of a problem's basis in words."""
     return ", ".join(problem.basis.terms) or "neo-Hookean"
@@ -202,7 +193,9 @@ def _line_search(objective: Objective, linear, params, states, change, before: f
     clipped = np.clip(change, -numerics.LARGEST_STEP, numerics.LARGEST_STEP)
     scaled = change * min(1.0, numerics.LARGEST_STEP / max(np.abs(change).max(), np.finfo(float).tiny))
     factors = [step.factor for step in linear.steps]
-    bounds = _bounds(objective.problem)
+    # A coefficient may be below none on the way: it comes back from there.
+    bounds = objective.problem.bounds.copy()
+    bounds[0, 1:] = -np.inf
     fractions = (
         (clipped, longest * numerics.SEARCH_FACTOR ** np.arange(budgets.CLIPPED_TRIALS)),
         (scaled, numerics.SEARCH_FACTOR ** np.arange(budgets.SCALED_TRIALS)),

@@ -67,7 +67,8 @@ def _near(kept: Candidate, step: int) -> np.ndarray:
     observations, (of, _) = problem.observations, fit.field.cells()
     t, case, free = observations.loading.t, observations.loading.load_case, observations.boundaries[step].free
     closest = min((k for k in fit.steps if case[k] == case[step]), key=lambda k: abs(t[k] - t[step]))
-    (u, _, K), sheet = fit.states[fit.steps.index(closest)], SeenTest(problem, [step]).sheet
+    u, sheet = kept.u[closest], SeenTest(problem, [step]).sheet
+    _, K = sheet.response(u, of)
     done, part = 0.0, 1.0
     while done < 1.0 and part > numerics.SHORTEST_WAY:
         change = part / (1.0 - done) * (held - u.ravel())
@@ -133,7 +134,7 @@ def _estimate(trials: Trials, found: Candidate) -> InterfaceEstimate:
             ridge=np.zeros(count),
             centre=np.zeros(count),
         ),
-        linear=test.jacobian(fit.field, fit.states, moves),
+        linear=test.jacobian(fit.field, test.with_tangents(fit.field, fit.states), moves),
         params=materials,
         states=[State(u, force, boundary.free) for (u, force, _), boundary in each],
         history=np.array([*found.history, fit.misfit]),

@@ -26,7 +26,7 @@ class Fit:
     Attributes:
         field: materials and lines.
         steps: numbers of the load steps that count.
-        states: equilibrium of every step.
+        states: equilibrium of every step, without its tangent, which would be most of the memory of a search.
         white: residuals over the believed noise, free of what edges share, by step.
         left: residuals of the displacements.
         misfit, forces: root mean squares of the residuals of displacements and forces.
@@ -147,7 +147,7 @@ class InterfaceFit:
             self._window_error = sigma / test.sigma * float(np.sqrt(covariance[-1, -1]))
         window, count, promised = test.window, len(numbers.y) - self._finds, []
         for changed, gain, damping in projected_steps(
-            numbers.y, gradient, curvature, numbers.lowest, numbers.floor, self._damping
+            numbers.y, gradient, curvature, numbers.bounds, numbers.floor, self._damping
         ):
             promised.append(gain)
             change = changed - numbers.y
@@ -183,7 +183,7 @@ class InterfaceFit:
         return Fit(
             field=field,
             steps=test.steps,
-            states=states,
+            states=[(u, force, None) for u, force, _ in states],
             white=white,
             left=self._left(of_u, determined),
             misfit=_mean(np.concatenate(of_u)),
@@ -220,9 +220,8 @@ class InterfaceFit:
             own = np.ix_(some, some)
             return float(np.trace(np.linalg.solve((curvature + held)[own], curvature[own]))) if len(some) else 0.0
 
-        going = numbers.y > numbers.lowest
         covariance = np.linalg.inv(curvature + held)[: numbers.of_materials, : numbers.of_materials]
-        return of(np.flatnonzero(going)), of(np.flatnonzero(going & of_law)), covariance
+        return of(np.flatnonzero(numbers.within)), of(np.flatnonzero(numbers.within & of_law)), covariance
 
 
 def _mean(values) -> float:

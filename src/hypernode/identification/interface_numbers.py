@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from hypernode.identification import numerics, priors
 from hypernode.identification.answers import Answer
@@ -24,7 +24,7 @@ class Numbers:
         y: values; lines have moved by nothing.
         moves: how the distances from each line follow when its points move.
         held, pull, base: the cost without data is y^T held y / 2 - pull^T y + base.
-        lowest: least values.
+        bounds: least and largest values.
         floor: added to the curvature, for what data do not tell.
     """
 
@@ -34,8 +34,13 @@ class Numbers:
     held: scipy.sparse.csr_matrix
     pull: Float[np.ndarray, " number"]
     base: float
-    lowest: Float[np.ndarray, " number"]
+    bounds: Float[np.ndarray, "2 number"]
     floor: Float[np.ndarray, " number"]
+
+    @property
+    def within(self) -> Bool[np.ndarray, " number"]:
+        """Which numbers are at none of their bounds."""
+        return (self.y > self.bounds[0]) & (self.y < self.bounds[1])
 
     def prior(self, y) -> float:
         """What numbers cost without data."""
@@ -45,7 +50,7 @@ class Numbers:
         """Values after a change, which is straight in the coefficients of the law."""
         y, of = self.y + change, self.of_materials
         before, changed = (each[:of].reshape(-1, len(law.names)) for each in (self.y, change))
-        y[:of] = np.maximum(straight(law, before, changed).ravel(), self.lowest[:of])
+        y[:of] = np.clip(straight(law, before, changed).ravel(), *self.bounds[:, :of])
         return y
 
     def slope(self, y) -> Float[np.ndarray, " number"]:
@@ -117,14 +122,15 @@ def numbers_of(problem: FieldProblem, field: Interfaces, moves, window: float | 
     pull = np.append(pull, np.zeros(len(y) - len(pull)))
     base = 0.5 * float(held_of_materials(field) @ centre**2) + 0.5 * sum(float(bend @ bend) for _, bend in bends)
     extra = len(y) - field.materials.size
-    lowest = np.concatenate([np.tile(law.lowest, field.count), np.full(extra, -np.inf)])
+    free = np.array([[-np.inf], [np.inf]])
+    bounds = np.concatenate([np.tile(problem.bounds, field.count), np.tile(free, extra)], axis=1)
     known = numerics.LARGEST_STEP**-2.0
     floor = np.concatenate([np.full(field.materials.size, known), np.full(extra, priors.DISTANCE_HELD)])
     if window is not None:
         y, pull = np.append(y, window), np.append(pull, priors.NOT_HELD * window)
         base += 0.5 * priors.NOT_HELD * window**2
         held = scipy.sparse.block_diag([held, [[priors.NOT_HELD]]], format="csr")
-        lowest, floor = np.append(lowest, 0.0), np.append(floor, known)
+        bounds, floor = np.append(bounds, [[0.0], [np.inf]], axis=1), np.append(floor, known)
     return Numbers(
-        of_materials=field.materials.size, y=y, moves=moves, held=held, pull=pull, base=base, lowest=lowest, floor=floor
+        of_materials=field.materials.size, y=y, moves=moves, held=held, pull=pull, base=base, bounds=bounds, floor=floor
     )

@@ -174,7 +174,7 @@ class Search:
         """
         trials = self._trials
         say("constrained", trials.name, "materials are sought again with a law that says otherwise of the volume")
-        settings = with_area(trials.settings)
+        settings = with_area(trials.settings, "fibre" in kept.terms)
         search = Search(trials.measurement, settings, trials.name, coarse=self._coarse)
         found = unless_impossible(search.found)
         if found is None or found[1].fit.misfit > kept.fit.misfit:

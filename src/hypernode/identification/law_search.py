@@ -125,8 +125,6 @@ class LawSearch:
 
         A volume that changes is asked for last: it says what all other terms mean, and no number of it is none.
         """
-        if kept.terms == ("J",) and "J" not in self._trials.settings.terms:
-            return "J"
         names, fit, squared = kept.problem.basis.names, kept.fit, {}
         for term in (term for term in kept.terms if term != "J"):
             plain = self._trials.with_terms(kept, _without(kept.terms, term)).basis.names
@@ -135,7 +133,9 @@ class LawSearch:
             values, covariance = fit.field.materials.ravel()[own], fit.covariance[np.ix_(own, own)]
             squared[term] = values @ np.linalg.solve(covariance, values)
         least = min(squared, key=squared.get, default=None)
-        return least if least and squared[least] < thresholds.APART**2 else None
+        if least and squared[least] < thresholds.APART**2:
+            return least
+        return "J" if "J" in kept.terms and "J" not in self._trials.settings.terms else None
 
     def with_law_of(self, kept: Candidate, other: Candidate) -> Candidate | None:
         """A candidate with the law of another one, on its own elements; None without equilibrium."""

@@ -100,6 +100,9 @@ WINDOW_DIFFERENCE = 0.05
 LEVEL_LEFT = 0.25
 #: Level over the one before below which the linear model says nothing of it.
 LEAST_LEVEL = 0.1
+#: Parameters of J, beside fibres, where a descent begins: nearly those of a kept volume, 0 and log 2. At zero a
+#: coefficient has no slope.
+NEARLY_KEPT = {"log1p_J_area": 0.05, "log1p_J_volume": 0.69}
 
 # Finer elements and lines.
 #: Rows and columns into which a cell is divided for the answer.

@@ -119,17 +119,18 @@ def _of_volume(kept: Candidate, count: int, random) -> OpenLaw | None:
     if fit is None or (gain := compared.own - compared.cost(fit.field)) < -thresholds.AS_WELL:
         return None
     numbers = numbers_of(problem, fit.field, fit.field.still, None)
-    loads = test.loads(fit.field, fit.states, numbers.moves)
-    shared, residuals = (each(fit.states, kept.sigma_left) for each in (test.shared, test.residuals))
-    curvature, _ = shared.normal(test.jacobians(fit.states, loads, kept.sigma_left), residuals)
-    going = np.flatnonzero(numbers.y > numbers.lowest)
+    states = test.with_tangents(fit.field, fit.states)
+    loads = test.loads(fit.field, states, numbers.moves)
+    shared, residuals = (each(states, kept.sigma_left) for each in (test.shared, test.residuals))
+    curvature, _ = shared.normal(test.jacobians(states, loads, kept.sigma_left), residuals)
+    going = np.flatnonzero(numbers.within)
     half = np.linalg.cholesky((curvature + numbers.held.toarray())[np.ix_(going, going)])
     drawn = [np.linalg.solve(half.T, random.normal(size=len(going))) for _ in range(count)]
 
     def at(n, near):
         y = numbers.y.copy()
         y[going] += near * drawn[n]
-        return fit.field.at(np.maximum(y, numbers.lowest), numbers.moves)
+        return fit.field.at(np.clip(y, *numbers.bounds), numbers.moves)
 
     fields = compared.near_enough(at, [float(np.abs(each).max()) for each in drawn], len(going))
     return OpenLaw("J", problem.basis, _of_cells(fields), gain)

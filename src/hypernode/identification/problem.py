@@ -26,7 +26,7 @@ from hypernode.identification.homogeneous import Homogeneous, fit_homogeneous
 from hypernode.identification.observations import Observations, observe
 from hypernode.identification.resultants import EdgeForce, edge_forces, shared_errors
 from hypernode.identification.sensitivities import Jacobian, StepJacobian, quadrature
-from hypernode.mechanics.convex_basis import ConvexBasis
+from hypernode.mechanics.convex_basis import RIGID, ConvexBasis
 from hypernode.mechanics.point_law import PointLaw
 
 
@@ -73,6 +73,13 @@ class FieldProblem:
     def homogeneous(self) -> Homogeneous | None:
         """The homogeneous material that the test is closest to; None where no descent begins at it."""
         return None if self._fit is None else self._fit(self)
+
+    @functools.cached_property
+    def bounds(self) -> Float[np.ndarray, "2 parameter"]:
+        """Least and largest parameters of a material: beyond them it is rigid beside the sheet, or hardly there."""
+        bounds = np.stack([self.basis.lowest, self.basis.highest])
+        bounds[:, 0] = self.homogeneous.params[0] + np.log(RIGID) * np.array([-1.0, 1.0])
+        return bounds
 
     @property
     def refinement(self) -> Refinement:

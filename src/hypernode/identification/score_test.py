@@ -140,7 +140,7 @@ class ScoreTest:
         jacobians = test.jacobians(states, loads, sigma)
         self._curvature, self._gradient = shared.normal(jacobians, residuals)
         # Coefficients at their bound stay there.
-        self._free = np.flatnonzero(numbers.y > numbers.lowest)
+        self._free = np.flatnonzero(numbers.within)
         held = numbers.held.toarray()[np.ix_(self._free, self._free)]
         self._own = scipy.linalg.cho_factor(self._curvature[np.ix_(self._free, self._free)] + held, lower=True)
         self._pull = (self._gradient[: self._known] + numbers.slope(numbers.y))[self._free]
@@ -178,7 +178,8 @@ class ScoreTest:
 def score_test(kept: Candidate, terms: tuple[str, ...]) -> ScoreTest:
     """Terms that may join the law of a candidate, with what it leaves of displacements as their noise."""
     test = SeenTest(kept.problem, kept.fit.steps, kept.fit.window, kept.fit.edges)
-    return ScoreTest(test=test, field=kept.fit.field, states=kept.fit.states, sigma=kept.sigma_left, terms=terms)
+    states = test.with_tangents(kept.fit.field, kept.fit.states)
+    return ScoreTest(test=test, field=kept.fit.field, states=states, sigma=kept.sigma_left, terms=terms)
 
 
 def price(kept: Candidate, parameters: int, numbers: int) -> float:

@@ -121,6 +121,11 @@ class SeenTest:
             found.append(reached)
         return found
 
+    def with_tangents(self, field: OfCells, states) -> list:
+        """States in equilibrium once more with their tangents, which a fit does not keep."""
+        of, _ = field.cells()
+        return [(u, *self.sheet.response(u, of)) for u, _, _ in states]
+
     def _of_steps(self, states):
         return zip(states, self.boundaries, self._observe, self.forces, strict=True)
 

@@ -110,7 +110,9 @@ class Sheet:
         dofs, count = mesh.dofs, mesh.nodes.size
         rows, columns = np.repeat(dofs, 8, axis=1).ravel(), np.tile(dofs, (1, 8)).ravel()
         place, self._place = np.unique(columns * count + rows, return_inverse=True)
-        self._pattern = place % count, np.searchsorted(place // count, np.arange(count + 1))
+        # In the type that sparse matrices have, so that all tangents share them.
+        pattern = place % count, np.searchsorted(place // count, np.arange(count + 1))
+        self._pattern = [each.astype(np.int32) for each in pattern]
 
     def response(self, u: Float[np.ndarray, "node 2"], of: CellMaterials):
         """(nodal forces (degree of freedom,), their tangent (sparse))."""

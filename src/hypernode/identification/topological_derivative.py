@@ -34,7 +34,8 @@ def with_other_cells(trials: Trials, kept: Candidate, steps: list[int], finds_wi
         if kept.leaves_nothing:
             break
         problem, field, window = kept.problem, kept.fit.field, kept.fit.window
-        labels = rather(SeenTest(problem, steps, window, kept.edges(problem, steps)), field, kept.fit.states)
+        test = SeenTest(problem, steps, window, kept.edges(problem, steps))
+        labels = rather(test, field, test.with_tangents(field, kept.fit.states))
         changed = int((labels != field.labels()).sum())
         if not changed:
             break

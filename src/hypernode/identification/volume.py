@@ -2,22 +2,24 @@
 
 A law of I1 alone that keeps the volume is the plainest, and stands where it explains the test. Where it leaves more
 than noise, or has terms that may stand for a volume that changes, the same materials are tried with another law. Its
-area has an energy of its own, and the likelier law is kept. It has no fibres: one test hardly tells both. Where no few
-materials of a kept volume explain the test, the search begins again with such laws.
+area has an energy of its own in the place of fibres, or beside them where that is far off. The likelier law is kept.
+Where no few materials of a kept volume explain the test, the search begins again with such laws.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 from hypernode.config.methods import Constrained
-from hypernode.identification import budgets, thresholds
+from hypernode.identification import budgets, numerics, thresholds
 from hypernode.identification.candidate import Candidate
 from hypernode.identification.choice import likeliest
 from hypernode.identification.estimate import Estimate
 from hypernode.identification.force_course import unless_impossible
 from hypernode.identification.interface_estimate import InterfaceEstimate
 from hypernode.identification.law_search import OF_THICKNESS, LawSearch, translated
+from hypernode.identification.score_test import BELONGS
 from hypernode.identification.trials import Trials
+from hypernode.verdict import Ending
 
 
 class Parts(NamedTuple):
@@ -37,7 +39,7 @@ class Asked(NamedTuple):
 
     Attributes:
         kept: the candidate, or the same materials of a law with J where that is likelier.
-        far: whether J leaves far more.
+        far: whether J leaves far more, without fibres.
         open: whether both are about as likely.
     """
 
@@ -46,13 +48,23 @@ class Asked(NamedTuple):
     open: bool = False
 
 
-def with_area(settings: Constrained) -> Constrained | None:
-    """The same search through laws with J; None where they are not asked for, or where all laws have it."""
+def with_area(settings: Constrained, fibres: bool = False) -> Constrained | None:
+    """The same search through laws with J; None where they are not asked for, or where all laws have it.
+
+    Args:
+        fibres: whether these laws may have fibres.
+    """
     if settings.volume != "told" or "J" in settings.terms:
         return None
-    every = (*settings.isotropic_terms, *settings.terms, *settings.further_terms)
-    further = ["I1_squared"] if "I1_squared" in every else []
-    return settings.model_copy(update={"terms": ["J"], "isotropic_terms": [], "further_terms": further})
+    every = dict.fromkeys([*settings.isotropic_terms, *settings.terms, *settings.further_terms])
+    terms = ["J", *(term for term in every if fibres and of_fibres(term))]
+    further = [term for term in every if term == "I1_squared"]
+    return settings.model_copy(update={"terms": terms, "isotropic_terms": [], "further_terms": further})
+
+
+def of_fibres(term: str) -> bool:
+    """Whether a term is that of fibres, or says more of them."""
+    return BELONGS.get(term, term) == "fibre"
 
 
 def may_stand_for_area(kept: Candidate) -> bool:
@@ -73,25 +85,36 @@ def of_likelier_volume(trials: Trials, kept: Candidate, steps: list[int], finds_
     told = with_area(trials.settings) is None or "J" in kept.terms or kept.leaves_nothing
     if told or not may_stand_for_area(kept):
         return Asked(kept)
-    problem, field = trials.problem(["J"], kept.subcells), kept.fit.field
-    begin = dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
-    materials = translated(field.materials, kept.problem, problem, begin)
-    law = problem, field.with_law(materials), kept.u, steps
-    found = trials.descend("a volume that changes", kept, *law, budgets.GIVEN_UP_AFTER, kept.fit.window, finds_window)
+    found = _with_area(trials, kept, (), steps, finds_window)
+    far = found is not None and _is_far(found, kept)
+    if (far or found is None) and (fibres := tuple(filter(of_fibres, kept.terms))):
+        if found is not None:
+            trials.passed_over(found, "leaves far more than fibres do")
+        found = _with_area(trials, kept, fibres, steps, finds_window) or found
     if found is None:
         return Asked(kept)
-    far = found.level > thresholds.NOT_MADE_OF_FEW * max(kept.level, 1.0)
-    if not far:
-        law = problem, found.fit.field, found.u, steps
-        found = (
-            trials.descend("the same, more steps", found, *law, budgets.NEAR, found.fit.window, finds_window) or found
-        )
+    if not _is_far(found, kept):
+        if found.fit.ending is not Ending.CONVERGED:
+            law, window = (found.problem, found.fit.field, found.u, steps), found.fit.window
+            found = trials.descend("the same, more steps", found, *law, budgets.NEAR, window, finds_window) or found
         found = LawSearch(trials, steps, finds_window).end(found)
     gain = found.gain_over(kept)
     best, passed = (found, kept) if gain > thresholds.EVIDENCE and not kept.halves(found) else (kept, found)
     why = f"scores {abs(gain):+.1f} against" if (gain > 0.0) == (best is found) else "leaves twice the squares of"
     trials.passed_over(passed, f"{why} a law that says otherwise of the volume")
     return Asked(best, far, abs(gain) <= thresholds.EVIDENCE)
+
+
+def _is_far(found: Candidate, kept: Candidate) -> bool:
+    return found.level > thresholds.NOT_MADE_OF_FEW * max(kept.level, 1.0)
+
+
+def _with_area(trials: Trials, kept: Candidate, fibres: tuple[str, ...], steps, finds_window) -> Candidate | None:
+    """The materials of a candidate with J, beside its terms of fibres or in their place; None without equilibrium."""
+    problem, field = trials.problem(["J", *fibres], kept.subcells), kept.fit.field
+    begin = numerics.NEARLY_KEPT if fibres else dict(zip(problem.basis.names, problem.homogeneous.params, strict=True))
+    law = problem, field.with_law(translated(field.materials, kept.problem, problem, begin)), kept.u, steps
+    return trials.descend("a volume that changes", kept, *law, budgets.GIVEN_UP_AFTER, kept.fit.window, finds_window)
 
 
 def of_either(

@@ -54,8 +54,8 @@ TURNING = 0.004
 SMALLEST = 0.005
 #: Times this below zero a coefficient is a quarter of that, and has a twentieth of its slope.
 NONE = 4.0
-#: Ratio of stiffness from which the softer side takes all of the deformation to four digits, which no camera tells.
-RIGID = 1e4
+#: Ratio of stiffness from which the softer side takes all of the deformation to three digits, more than cameras tell.
+RIGID = 1e3
 #: Term -> names of its parameters and where an identification starts from.
 PARAMETERS = {
     "I1_squared": {"log1p_I1_squared": 0.08},

@@ -1,8 +1,8 @@
 """A hyper-network from the position to the parameters of increasing functions, which are the derivatives of the energy.
 
 dPsi/dI of an invariant is a constant, exp(logarithm), and a share of the increasing function of each term it is in. The
-function takes (I - I(F = 1)) / invariant_scale, or a mixture of two invariants. Sums of powers of stretches count as
-invariants. All is in units of stress_scale.
+function takes (I - I(F = 1)) / invariant_scale, or a mixture of two invariants. That of J takes (1 - J^-3) / 3. Sums of
+powers of stretches count as invariants. All is in units of stress_scale.
 """
 
 import numpy as np
@@ -55,7 +55,7 @@ def energy_derivatives(I, p):
     compressible = ["J"] in spec["terms"]
     shifted = {name: I[name] - REFERENCE[name] for name in REFERENCE}
     if compressible:
-        shifted["I1"] = I["I1"] - 1.0 / I["J"] ** 2 - 2.0
+        shifted |= {"I1": I["I1"] - 1.0 / I["J"] ** 2 - 2.0, "J": (1.0 - I["J"] ** -3.0) / 3.0}
     powers = {name: power for name, power in stretch_powers(I).items() if [name] in spec["terms"]}
     shifted |= {name: value for name, (value, _, _) in powers.items()}
     total = {name: p["constants"].get(name, 0.0) + 0.0 * I["I1"] for name in shifted}
