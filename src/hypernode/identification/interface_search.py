@@ -87,8 +87,10 @@ class Search:
             kept = moves.lawful(more)
         before, volume = kept, of_likelier_volume(trials, kept, moves.steps, moves.finds_window)
         kept, self.keeps_volume = volume.kept, volume.far
-        if kept is not before and kept.leaves_mostly_no_noise and (again := self._again_with_volume(kept)):
-            return again
+        if kept is not before and kept.leaves_mostly_no_noise:
+            kept = kept if self._coarse else moves.likelier_on_finer_elements(kept, before)
+            if kept is not before and (again := self._again_with_volume(kept)):
+                return again
         if self._coarse:
             return kept, kept
         kept, finer = moves.finer_and_plainer(kept)

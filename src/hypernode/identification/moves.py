@@ -152,6 +152,14 @@ class Moves:
             return kept, finer
         return LawSearch(self.trials, self.steps, self.finds_window).with_law_of(kept, asked) or kept, asked
 
+    def likelier_on_finer_elements(self, found: Candidate, kept: Candidate) -> Candidate:
+        """The first of two candidates where it is the likelier one on finer elements too: laws pay for coarse ones."""
+        finer, other = (self.finer(each) for each in (found, kept))
+        gain = finer.gain_over(other)
+        best, passed = (found, other) if gain > thresholds.EVIDENCE else (kept, finer)
+        self.trials.passed_over(passed, f"scores {abs(gain):+.1f} against the other law on finer elements")
+        return best
+
     def of_whole_cells(self, kept: Candidate) -> Candidate | None:
         """The same materials of whole cells, where lines leave mostly no noise, and these no more than noise."""
         if not kept.leaves_mostly_no_noise:
