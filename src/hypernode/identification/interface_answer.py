@@ -17,6 +17,7 @@ from hypernode.identification.interface_fit import InterfaceFit
 from hypernode.identification.interface_numbers import bends_of, held_of
 from hypernode.identification.law_search import LawSearch
 from hypernode.identification.lines import Lines
+from hypernode.identification.moves import Moves
 from hypernode.identification.objective import Objective
 from hypernode.identification.observations import description_error
 from hypernode.identification.regulariser import JumpCost
@@ -44,8 +45,8 @@ def answer(trials: Trials, kept: Candidate, finds_window: bool) -> InterfaceEsti
     found = trials.descend("all load steps", kept, problem, field, u, every, budgets.ANSWER_STEPS)
     if found is None:
         return None
-    # Steps that the search left out may tell a term more.
-    found = LawSearch(trials, every, False).end(found)
+    # Steps that the search left out may tell a term more, and that a gradual law is no single one.
+    found = Moves(trials, every, False).turned(LawSearch(trials, every, False).end(found))
     estimate = _estimate(trials, found)
     told = with_carried_shares(trials.measurement, estimate)
     if told is None:
