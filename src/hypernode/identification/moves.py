@@ -153,7 +153,10 @@ class Moves:
         return LawSearch(self.trials, self.steps, self.finds_window).with_law_of(kept, asked) or kept, asked
 
     def likelier_on_finer_elements(self, found: Candidate, kept: Candidate) -> Candidate:
-        """The first of two candidates where it is the likelier one on finer elements too: laws pay for coarse ones."""
+        """The first of two candidates where it is likelier on finer elements too, and the second elsewhere.
+
+        A law may pay for what coarse elements miss.
+        """
         finer, other = (self.finer(each) for each in (found, kept))
         gain = finer.gain_over(other)
         best, passed = (found, other) if gain > thresholds.EVIDENCE else (kept, finer)
