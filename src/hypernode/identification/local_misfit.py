@@ -5,7 +5,7 @@ value that the largest of these means reaches by chance anywhere in the sheet.
 
 A point of a cut edge is a mean over a window, half of which lies beyond the edge. What bends there is not seen. So such
 a point may be off by as much as the window changes anywhere in the sheet. What errors of that size explain says nothing
-of the material (docs/decisions/0219).
+of the material (docs/decisions/0221).
 """
 
 from dataclasses import dataclass
